@@ -1,0 +1,83 @@
+#ifndef emmy_assembly_balance_h
+#define emmy_assembly_balance_h
+
+#include <emmy/assembly/force_term.h>
+#include <emmy/assembly/nonlinear_equation.h>
+
+namespace emmy
+{
+  template <int dim>
+  class StepEquation;
+
+  /**
+   * The balance of momentum: the sum of the terms that are present, minus the
+   * loads. Owned by the scene; over() makes the equation of one step.
+   */
+  template <int dim>
+  class Balance
+  {
+  public:
+    /** @param effects inertia and internal force among its terms */
+    explicit Balance(Effects<dim> effects);
+
+    /** The equation of a step; borrows both. Collective. */
+    std::unique_ptr<StepEquation<dim>>
+    over(const StepData<dim> &step) const;
+
+    /** Entries of the ledger that the terms bring, all zero. */
+    std::vector<EnergyEntry>
+    energy_entries() const;
+
+  private:
+    friend class StepEquation<dim>;
+    const Effects<dim> effects;
+  };
+
+  /** r(u) of one step. Keeps the trial states that belong to the last u. */
+  template <int dim>
+  class StepEquation : public NonlinearEquation
+  {
+  public:
+    StepEquation(const Balance<dim> &balance, const StepData<dim> &step);
+
+    bool
+    evaluate(const Vector &solution, const bool with_jacobian) override;
+    const Vector &
+    residual() const override;
+    const Matrix &
+    jacobian() const override;
+    double
+    scale() const override;
+    const std::string &
+    problem() const override;
+
+    /** The residual before constraints: minus the reactions on fixed ones. */
+    const Vector &
+    unconstrained_residual() const;
+
+    /** The loads of the step, N. */
+    const Vector &
+    load() const;
+
+    /** Particle states that belong to the last evaluation. */
+    PointArrays<dim> &
+    trial();
+    const PointArrays<dim> &
+    trial() const;
+
+    /** The entries of the accepted step, summed over the ranks. Collective. */
+    std::vector<EnergyEntry>
+    energies(const Vector &solution) const;
+
+  private:
+    const Balance<dim> &balance;
+    const StepData<dim> step;
+    Vector              external_force, full_residual, free_residual;
+    Matrix              tangent;
+    PointArrays<dim>    trial_states;
+    double              force_scale = 0.;
+    std::string         found;
+  };
+} // namespace emmy
+
+#endif

@@ -1,0 +1,123 @@
+#ifndef emmy_assembly_force_term_h
+#define emmy_assembly_force_term_h
+
+#include <emmy/assembly/step_report.h>
+#include <emmy/base/library.h>
+#include <emmy/base/section.h>
+#include <emmy/transfer/particles_to_grid.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace emmy
+{
+  /** All that is fixed while a step is solved. */
+  template <int dim>
+  struct StepData
+  {
+    const Stencils<dim>    &stencils;
+    const PointArrays<dim> &points;    ///< states at t
+    const GridStart<dim>   &start;     ///< mass, momentum, velocity at t
+    double                  time;      ///< t, s
+    double                  time_step; ///< s
+  };
+
+  /** A displacement that Newton tries. */
+  template <int dim>
+  struct Iterate
+  {
+    const Vector &displacement; ///< of the step, u, m
+    /** The same at the local nodes: [dim * node + component]. */
+    const std::vector<double> &local_displacement;
+    /** Particle states at t + dt, written by the terms that own them. */
+    PointArrays<dim> &trial;
+  };
+
+  /**
+   * A force that depends on the displacement of the step: internal force,
+   * inertia, stabilisation. Owned by the balance. Adds its share of the
+   * residual r = (inertia + internal force + ...) - loads.
+   */
+  template <int dim>
+  class ForceTerm
+  {
+  public:
+    virtual ~ForceTerm() = default;
+
+    /**
+     * Add the force to @p force and, unless null, its derivative to
+     * @p jacobian; constrained rows and columns are left out of the
+     * derivative, not of the force. Collective.
+     *
+     * @return what is wrong on this rank with the iterate, empty if nothing;
+     *   then force and jacobian may be incomplete.
+     */
+    virtual std::string
+    add(const StepData<dim> &step,
+        const Iterate<dim>  &iterate,
+        Vector              &force,
+        Matrix              *jacobian) const = 0;
+
+    /**
+     * The energies of the accepted step, this rank's share. Always the same
+     * names in the same order.
+     *
+     * @param accepted particle states at t + dt
+     */
+    virtual std::vector<EnergyEntry>
+    energies(const StepData<dim>    &step,
+             const Vector           &displacement,
+             const PointArrays<dim> &accepted) const = 0;
+
+    /** The entries that energies() will return, with no change. */
+    virtual std::vector<EnergyEntry>
+    energy_entries() const = 0;
+  };
+
+  /** A force that is fixed within a step: gravity, point loads. */
+  template <int dim>
+  class StepLoad
+  {
+  public:
+    virtual ~StepLoad() = default;
+
+    /** Add the load to an array over local nodes: [dim * node + c], N. */
+    virtual void
+    add(const StepData<dim> &step, std::vector<double> &local_force) const = 0;
+  };
+
+  /** The effects of a scene, beyond inertia and internal force. */
+  template <int dim>
+  struct Effects
+  {
+    std::vector<std::unique_ptr<ForceTerm<dim>>> terms;
+    std::vector<std::unique_ptr<StepLoad<dim>>>  loads;
+  };
+
+  /** The section of an effect, e.g. "Effects/Gravity". */
+  template <int dim>
+  class EffectParameters : public Section
+  {
+  public:
+    using Section::Section;
+
+    /**
+     * Check, build, and add to the scene's effects. Throws ExcParameter.
+     * @param layout to ask for the particle fields that the effect needs
+     */
+    virtual void
+    add_to(Effects<dim> &effects, FieldLayout &layout) const = 0;
+  };
+
+  /** All effects that Effects/Names can list. */
+  template <int dim>
+  Library<EffectParameters<dim>> &
+  effect_library();
+
+  /** "gravity" -> "Effects/Gravity": the section of an effect. */
+  std::string
+  effect_section(const std::string &effect_name);
+} // namespace emmy
+
+#endif

@@ -1,0 +1,42 @@
+#ifndef emmy_assembly_nonlinear_equation_h
+#define emmy_assembly_nonlinear_equation_h
+
+#include <emmy/transfer/particles_to_grid.h>
+
+#include <string>
+
+namespace emmy
+{
+  /** r(u) = 0, as Newton sees it: neither particles nor materials. */
+  class NonlinearEquation
+  {
+  public:
+    virtual ~NonlinearEquation() = default;
+
+    /**
+     * Evaluate residual() and, if asked for, jacobian() at @p solution.
+     * Collective.
+     * @return false on all ranks if the equation has no meaning there;
+     *   problem() says why.
+     */
+    virtual bool
+    evaluate(const Vector &solution, const bool with_jacobian) = 0;
+
+    /** r on free unknowns, zero on constrained ones. */
+    virtual const Vector &
+    residual() const = 0;
+
+    virtual const Matrix &
+    jacobian() const = 0;
+
+    /** The size of the forces that balance in r, in the 2-norm. */
+    virtual double
+    scale() const = 0;
+
+    /** What was wrong in the last evaluation, on all ranks; or empty. */
+    virtual const std::string &
+    problem() const = 0;
+  };
+} // namespace emmy
+
+#endif

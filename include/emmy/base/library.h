@@ -1,0 +1,96 @@
+#ifndef emmy_base_library_h
+#define emmy_base_library_h
+
+#include <emmy/base/exceptions.h>
+#include <emmy/base/text.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace emmy
+{
+  /**
+   * An ordered list of the things of one kind that a parameter file can name:
+   * materials, shapes, effects, ... Each has a name, one line that says what
+   * it is, and a maker of its parameters. Outside code adds to it before a
+   * parameter file is read.
+   *
+   * @tparam Parameters a class derived from ParameterAcceptor (a "section")
+   *   that knows how to build the thing it describes.
+   */
+  template <class Parameters>
+  class Library
+  {
+  public:
+    /** Makes the parameters of one thing, declared in a section. */
+    using Maker = std::function<std::unique_ptr<Parameters>(
+      const std::string & /* section path, e.g. "Materials/rubber" */)>;
+
+    struct Entry
+    {
+      std::string name;
+      std::string description;
+      Maker       make_parameters;
+    };
+
+    /** Add an entry; a name that is there already is replaced. */
+    void
+    add(Entry entry)
+    {
+      for (auto &existing : entries)
+        if (existing.name == entry.name)
+        {
+          existing = std::move(entry);
+          return;
+        }
+      entries.push_back(std::move(entry));
+    }
+
+    const std::vector<Entry> &
+    list() const
+    {
+      return entries;
+    }
+
+    std::vector<std::string>
+    names() const
+    {
+      std::vector<std::string> result;
+      for (const auto &entry : entries)
+        result.push_back(entry.name);
+      return result;
+    }
+
+    /**
+     * The entry of that name. Throws ExcParameter for @p section and
+     * @p parameter with the valid names, nearest first, if there is none.
+     */
+    const Entry &
+    find(const std::string &name,
+         const std::string &section,
+         const std::string &parameter) const
+    {
+      for (const auto &entry : entries)
+        if (entry.name == name)
+          return entry;
+      const std::string nearest = nearest_name(name, names());
+      AssertThrow(false,
+                  ExcParameter(section,
+                               parameter,
+                               name,
+                               (nearest.empty()
+                                  ? std::string()
+                                  : "did you mean <" + nearest + ">? ") +
+                                 "Known are: " + join(names()) + "."));
+      return entries.front();
+    }
+
+  private:
+    std::vector<Entry> entries;
+  };
+} // namespace emmy
+
+#endif

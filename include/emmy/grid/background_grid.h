@@ -1,0 +1,130 @@
+#ifndef emmy_grid_background_grid_h
+#define emmy_grid_background_grid_h
+
+#include <deal.II/base/partitioner.h>
+#include <emmy/base/section.h>
+
+#include <deal.II/distributed/tria.h>
+
+#include <deal.II/dofs/dof_handler.h>
+
+#include <deal.II/fe/fe_q.h>
+#include <deal.II/fe/mapping_cartesian.h>
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace emmy
+{
+  /** Section `Grid`. */
+  template <int dim>
+  class GridParameters : public Section
+  {
+  public:
+    dealii::Point<dim>        lower_corner; // m
+    dealii::Point<dim>        upper_corner; // m; must be above lower_corner
+    std::vector<unsigned int> cells = std::vector<unsigned int>(dim, 0);
+
+    explicit GridParameters(const std::string &section = "Grid");
+
+    /** Throws ExcParameter for an empty grid or cells that do not fit. */
+    void
+    validate() const;
+  };
+
+  /**
+   * The background grid: a box of equal cells that never deforms, distributed
+   * over the ranks, with one scalar bi- or trilinear function per node. A few
+   * coarse cells are refined as often as the numbers of cells allow, because
+   * a p4est forest of one tree per cell does not scale.
+   *
+   * Owned by the scene. Nothing here changes after construction, except the
+   * partition, when the scene rebalances it.
+   */
+  template <int dim>
+  class BackgroundGrid
+  {
+  public:
+    using Cell = typename dealii::Triangulation<dim>::active_cell_iterator;
+
+    static constexpr unsigned int nodes_per_cell = 1 << dim;
+
+    BackgroundGrid(const GridParameters<dim> &parameters,
+                   const MPI_Comm             communicator);
+
+    MPI_Comm
+    communicator() const;
+
+    const dealii::Triangulation<dim> &
+    triangulation() const;
+
+    /**
+     * Distribute the cells over the ranks so that each has about the same sum
+     * of weights. Collective. Call it before anything refers to cells.
+     *
+     * @param weight cost of a cell; 1000 is that of an empty cell.
+     */
+    void
+    repartition(const std::function<unsigned int(const Cell &)> &weight);
+
+    const dealii::Mapping<dim> &
+    mapping() const;
+
+    /** Lower and upper corner, m. */
+    const dealii::Point<dim> &
+    lower_corner() const;
+    const dealii::Point<dim> &
+    upper_corner() const;
+
+    /** Cells per direction. */
+    const std::vector<unsigned int> &
+    n_cells() const;
+
+    /** Cell sizes h_i, m. */
+    const dealii::Tensor<1, dim> &
+    cell_size() const;
+
+    double
+    smallest_cell_size() const;
+
+    /** Number of coarse cells (p4est trees). */
+    unsigned int
+    n_trees() const;
+
+    /** Ids of the nodes of a cell, in deal.II's vertex order. */
+    std::array<dealii::types::global_dof_index, nodes_per_cell>
+    node_ids(const Cell &cell) const;
+
+    /** Position of a node that this rank knows, m. */
+    const dealii::Point<dim> &
+    node_position(const dealii::types::global_dof_index id) const;
+
+    /** Which nodes this rank owns and which it knows. */
+    const std::shared_ptr<const dealii::Utilities::MPI::Partitioner> &
+    nodes() const;
+
+    /** Whether a position is in the closed box, to 1e-12 of a cell. */
+    bool
+    contains(const dealii::Point<dim> &position) const;
+
+  private:
+    void
+    number_nodes();
+
+    const dealii::Point<dim>                                   lower, upper;
+    const std::vector<unsigned int>                            counts;
+    dealii::Tensor<1, dim>                                     h;
+    unsigned int                                               trees;
+    dealii::parallel::distributed::Triangulation<dim>          cells;
+    dealii::MappingCartesian<dim>                              cartesian;
+    dealii::FE_Q<dim>                                          element;
+    dealii::DoFHandler<dim>                                    numbering;
+    std::shared_ptr<const dealii::Utilities::MPI::Partitioner> node_partition;
+    std::vector<dealii::Point<dim>> node_positions; // by local index
+  };
+} // namespace emmy
+
+#endif

@@ -1,0 +1,53 @@
+#ifndef emmy_grid_boundary_conditions_h
+#define emmy_grid_boundary_conditions_h
+
+#include <emmy/base/section.h>
+
+#include <emmy/grid/background_grid.h>
+
+#include <array>
+#include <bitset>
+#include <string>
+#include <vector>
+
+namespace emmy
+{
+  /** Section `Boundary conditions`. */
+  class BoundaryParameters : public Section
+  {
+  public:
+    std::vector<std::string> fixed, roller;
+
+    explicit BoundaryParameters(
+      const std::string &section = "Boundary conditions");
+  };
+
+  /**
+   * Homogeneous essential conditions on the sides of the grid: which
+   * components of the displacement are zero at a node. Owned by the scene;
+   * asked when active nodes are numbered.
+   */
+  template <int dim>
+  class BoundaryConditions
+  {
+  public:
+    /** Throws ExcParameter for a side that the grid has not. */
+    BoundaryConditions(const BoundaryParameters  &parameters,
+                       const BackgroundGrid<dim> &grid);
+
+    /** The fixed components of a node at @p position. */
+    std::bitset<dim>
+    fixed_components(const dealii::Point<dim> &position) const;
+
+  private:
+    const BackgroundGrid<dim>            &grid;
+    std::array<std::bitset<dim>, 2 * dim> fixed_on_side;
+  };
+
+  /** "x-min", "x-max", "y-min", ...: side 2d is the lower one in direction d.
+   */
+  std::vector<std::string>
+  side_names(const unsigned int dim);
+} // namespace emmy
+
+#endif

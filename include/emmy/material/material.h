@@ -1,0 +1,86 @@
+#ifndef emmy_material_material_h
+#define emmy_material_material_h
+
+#include <emmy/base/section.h>
+
+#include <emmy/base/library.h>
+#include <emmy/math/mandel.h>
+
+#include <array>
+#include <memory>
+
+namespace emmy
+{
+  /** How many points a batch holds: its data stay in the first-level cache. */
+  constexpr unsigned int max_batch_points = 32;
+
+  /** What a material reads and writes: a batch of points of that material. */
+  template <int dim>
+  struct MaterialBatch
+  {
+    template <typename T>
+    using PerPoint = std::array<T, max_batch_points>;
+
+    unsigned int n_points     = 0;
+    bool         with_tangent = true;
+
+    // in
+    /** Trial elastic left Cauchy-Green tensor, Delta F b^e_t Delta F^T. */
+    PerPoint<MandelVector<dim>> left_cauchy_green;
+
+    // out
+    /** Kirchhoff stress tau, Pa per unit reference volume. */
+    PerPoint<MandelVector<dim>> kirchhoff_stress;
+    /** Stored energy psi, J per unit reference volume. */
+    PerPoint<double> stored_energy;
+    /**
+     * Spatial tangent c of the Lie derivative, L_v tau = c : d, Pa: that is
+     * c = d tau / d(strain increment) - (tau d + d tau). Only if
+     * with_tangent.
+     */
+    PerPoint<MandelMatrix<dim>> spatial_tangent;
+  };
+
+  /**
+   * An isotropic material. Owned by the scene; the internal force calls it
+   * once per batch and Newton iteration. It has no state: what a point
+   * remembers is in the particle fields.
+   */
+  template <int dim>
+  class Material
+  {
+  public:
+    virtual ~Material() = default;
+
+    /** Fill the out fields of the batch from its in fields. */
+    virtual void
+    evaluate(MaterialBatch<dim> &batch) const = 0;
+
+    /** Density of the reference configuration, kg/m^3. */
+    virtual double
+    density() const = 0;
+
+    /** P-wave modulus K + 4/3 G of the undeformed material, Pa. */
+    virtual double
+    p_wave_modulus() const = 0;
+  };
+
+  /** The section of a material in a parameter file. */
+  template <int dim>
+  class MaterialParameters : public Section
+  {
+  public:
+    using Section::Section;
+
+    /** Check what patterns cannot say, and build. Throws ExcParameter. */
+    virtual std::unique_ptr<Material<dim>>
+    make() const = 0;
+  };
+
+  /** All materials that a parameter file can name. */
+  template <int dim>
+  Library<MaterialParameters<dim>> &
+  material_library();
+} // namespace emmy
+
+#endif

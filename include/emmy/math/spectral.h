@@ -1,0 +1,57 @@
+#ifndef emmy_math_spectral_h
+#define emmy_math_spectral_h
+
+#include <emmy/math/mandel.h>
+
+#include <array>
+
+namespace emmy
+{
+  /**
+   * Eigenvalues and eigenvectors of a symmetric tensor in three dimensions.
+   * In plane strain the third eigenvector is the out-of-plane axis and is not
+   * stored.
+   */
+  template <int dim>
+  struct SpectralDecomposition
+  {
+    /** Eigenvalues, in no particular order; in plane strain the last is 33. */
+    std::array<double, 3> values;
+    /** Column i is the unit eigenvector of value i, i < dim. */
+    dealii::Tensor<2, dim> vectors;
+  };
+
+  /**
+   * Spectral decomposition by Jacobi rotations: accurate to round-off for
+   * equal and nearly equal eigenvalues too. Cost: one rotation in plane
+   * strain, about ten in 3D.
+   *
+   * deal.II's eigenvectors() serves SymmetricTensor and sorts; here the
+   * tensors are in Mandel notation and the order does not matter.
+   */
+  template <int dim>
+  SpectralDecomposition<dim>
+  spectral_decomposition(const MandelVector<dim> &a);
+
+  /**
+   * artanh(z)/z with z = (a - b)/(a + b) for positive a, b, which is
+   * (a + b)/2 times the divided difference of the logarithm,
+   * (ln a - ln b)/(a - b). Safe for a = b (formulation of the derivative of
+   * the logarithm without case distinction; Pretti et al. 2023, A.32).
+   *
+   * @param log_ratio ln a - ln b, which the callers have already.
+   */
+  inline double
+  logarithm_quotient(const double a, const double b, const double log_ratio)
+  {
+    const double z = (a - b) / (a + b), z2 = z * z;
+    if (z2 > 1e-3)
+      return log_ratio / (2. * z);
+    // the series of artanh(z)/z; the first dropped term is below 1e-16
+    return 1. +
+           z2 * (1. / 3. +
+                 z2 * (1. / 5. + z2 * (1. / 7. + z2 * (1. / 9. + z2 / 11.))));
+  }
+} // namespace emmy
+
+#endif

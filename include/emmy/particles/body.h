@@ -1,0 +1,92 @@
+#ifndef emmy_particles_body_h
+#define emmy_particles_body_h
+
+#include <deal.II/base/function_parser.h>
+
+#include <deal.II/particles/particle_handler.h>
+
+#include <emmy/grid/background_grid.h>
+#include <emmy/particles/field_layout.h>
+#include <emmy/particles/shape.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace emmy
+{
+  /** Section `Bodies/NAME`. */
+  template <int dim>
+  class BodyParameters : public Section
+  {
+  public:
+    std::string  material;
+    unsigned int points_per_direction = 0;
+    std::string  initial_velocity; // m/s, components separated by ;
+
+    /** @param shape name of a shape in the library, read beforehand. */
+    BodyParameters(const std::string &section, const std::string &shape);
+
+    /** Throws ExcParameter. */
+    void
+    validate() const;
+
+    const ShapeParameters<dim> &
+    shape() const;
+
+  private:
+    std::string                           shape_name;
+    std::unique_ptr<ShapeParameters<dim>> shape_parameters;
+  };
+
+  /** A body as it is at the start. Owned by the scene. */
+  template <int dim>
+  struct Body
+  {
+    std::string                 name;
+    unsigned int                material; ///< index in the scene's materials
+    double                      density;  ///< kg/m^3
+    unsigned int                points_per_direction;
+    std::unique_ptr<Shape<dim>> shape;
+    std::unique_ptr<dealii::FunctionParser<dim>> initial_velocity; ///< m/s
+  };
+
+  /**
+   * Build a body; throws ExcParameter.
+   * @param material index of the material that parameters.material names.
+   */
+  template <int dim>
+  Body<dim>
+  make_body(const std::string         &name,
+            const BodyParameters<dim> &parameters,
+            const unsigned int         material,
+            const double               density);
+
+  /**
+   * The points of a body in one cell: the centres of an equal subdivision of
+   * the cell that lie in the shape (Pretti et al. 2023, sec. 7.2: partly
+   * filled cells drop the others).
+   */
+  template <int dim>
+  std::vector<dealii::Point<dim>>
+  points_in_cell(const Body<dim>                          &body,
+                 const BackgroundGrid<dim>                &grid,
+                 const typename BackgroundGrid<dim>::Cell &cell);
+
+  /**
+   * Fill the bodies with particles. Collective. A particle's volume is that of
+   * its box, its mass the body's density times that; its other fields have
+   * the layout's initial values. Ids count from 0 over the ranks.
+   *
+   * Throws ExcRun on all ranks for a body that reaches outside the grid, holds
+   * no particle, or overlaps another body.
+   */
+  template <int dim>
+  void
+  fill(const std::vector<Body<dim>>            &bodies,
+       const BackgroundGrid<dim>               &grid,
+       const FieldLayout                       &layout,
+       dealii::Particles::ParticleHandler<dim> &particles);
+} // namespace emmy
+
+#endif

@@ -1,0 +1,76 @@
+#ifndef emmy_particles_field_layout_h
+#define emmy_particles_field_layout_h
+
+#include <string>
+#include <vector>
+
+namespace emmy
+{
+  /** A quantity that each particle carries. */
+  struct Field
+  {
+    enum class Kind
+    {
+      scalar,
+      vector,          ///< dim components
+      symmetric_tensor ///< n_mandel<dim> components in Mandel notation
+    };
+
+    std::string name;
+    Kind        kind;
+    std::string unit;
+    std::string description;
+    /** Components of an undisturbed particle; empty: all zero. */
+    std::vector<double> initial      = {};
+    unsigned int        n_components = 0; ///< set by the layout
+    unsigned int        offset       = 0; ///< set by the layout
+  };
+
+  /**
+   * The fields of the particles of a scene: the union of what its effects ask
+   * for, and nothing else. The values are the properties of deal.II's
+   * particles, in this order. Position and id are not fields.
+   */
+  class FieldLayout
+  {
+  public:
+    explicit FieldLayout(const unsigned int dim);
+
+    /**
+     * Ask for a field; asking twice is the same as once.
+     * @return the index of its first component.
+     */
+    unsigned int
+    add(const Field &field);
+
+    /** First component of a field that is there. */
+    unsigned int
+    operator[](const std::string &name) const;
+
+    bool
+    has(const std::string &name) const;
+
+    const std::vector<Field> &
+    fields() const;
+
+    /** All components of an undisturbed particle. */
+    std::vector<double>
+    initial_values() const;
+
+    /** Number of doubles per particle. */
+    unsigned int
+    n_components() const;
+
+  private:
+    const unsigned int dim;
+    std::vector<Field> list;
+  };
+
+  /**
+   * The fields of every scene: velocity, mass, reference volume, body.
+   */
+  FieldLayout
+  basic_fields(const unsigned int dim);
+} // namespace emmy
+
+#endif

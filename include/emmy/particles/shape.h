@@ -1,0 +1,49 @@
+#ifndef emmy_particles_shape_h
+#define emmy_particles_shape_h
+
+#include <deal.II/base/bounding_box.h>
+
+#include <emmy/base/library.h>
+#include <emmy/base/section.h>
+
+#include <memory>
+
+namespace emmy
+{
+  /** A region of space that a body fills at the start. */
+  template <int dim>
+  class Shape
+  {
+  public:
+    virtual ~Shape() = default;
+
+    virtual bool
+    contains(const dealii::Point<dim> &position) const = 0;
+
+    /**
+     * A box around the shape. It must be finite unless the shape does not
+     * know its extent (expression).
+     */
+    virtual dealii::BoundingBox<dim>
+    bounding_box() const = 0;
+  };
+
+  /** The section of a shape, e.g. "Bodies/left/ball". */
+  template <int dim>
+  class ShapeParameters : public Section
+  {
+  public:
+    using Section::Section;
+
+    /** Check and build. Throws ExcParameter. */
+    virtual std::unique_ptr<Shape<dim>>
+    make() const = 0;
+  };
+
+  /** All shapes: box, ball, cylinder (3D), expression. */
+  template <int dim>
+  Library<ShapeParameters<dim>> &
+  shape_library();
+} // namespace emmy
+
+#endif

@@ -1,0 +1,106 @@
+#ifndef emmy_particles_stencils_h
+#define emmy_particles_stencils_h
+
+#include <deal.II/base/types.h>
+
+#include <deal.II/particles/particle_handler.h>
+
+#include <emmy/grid/background_grid.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace emmy
+{
+  /**
+   * Which nodes each particle of this rank talks to during a step, and with
+   * what weights: the shape functions S and their gradients at the positions
+   * at t. Particles that share their nodes and their body stand together in a
+   * group, so that the point loops work on contiguous arrays. Made at the
+   * start of each step; never changes within it.
+   */
+  template <int dim>
+  struct Stencils
+  {
+    using ParticleIterator = dealii::Particles::ParticleIterator<dim>;
+
+    struct Group
+    {
+      std::size_t  first_point; ///< in the order of the points
+      unsigned int n_points;
+      unsigned int body;
+      std::size_t  first_node; ///< in node_ids
+      unsigned int n_nodes;
+      std::size_t  first_value; ///< in values; dim times it in gradients
+    };
+
+    std::vector<Group> groups;
+
+    /** Grid nodes of all groups, one group after the other. */
+    std::vector<dealii::types::global_dof_index> node_ids;
+    /** S of the group's node a at its point p: [a * n_points + p]. */
+    std::vector<double> values;
+    /** dS/dx_d, 1/m: [(a * dim + d) * n_points + p]. */
+    std::vector<double> gradients;
+
+    /** The particle behind each point. */
+    std::vector<ParticleIterator> particles;
+
+    /** The active cells that this rank owns, in the grid's order. */
+    std::vector<typename BackgroundGrid<dim>::Cell> active_cells;
+
+    const double *
+    value(const Group &group, const unsigned int node) const
+    {
+      return values.data() + group.first_value + node * group.n_points;
+    }
+    const double *
+    gradient(const Group       &group,
+             const unsigned int node,
+             const unsigned int d) const
+    {
+      return gradients.data() + dim * group.first_value +
+             (node * dim + d) * group.n_points;
+    }
+  };
+
+  /** How points and nodes are connected: linear functions, later GIMP. */
+  template <int dim>
+  class ShapeFunctions
+  {
+  public:
+    virtual ~ShapeFunctions() = default;
+
+    /**
+     * The stencils of all particles of this rank.
+     * For every point they satisfy, to round-off, sum S = 1, sum grad S = 0,
+     * sum S x = x_p, sum x (x) grad S = I: all conservation laws rest on this.
+     */
+    virtual Stencils<dim>
+    evaluate(const dealii::Particles::ParticleHandler<dim> &particles,
+             const BackgroundGrid<dim>                     &grid) const = 0;
+  };
+
+  /**
+   * The bi- or trilinear functions of the cell that owns the particle
+   * (standard MPM; Pretti et al. 2023, eq. 8). A particle on a face takes
+   * value and slope from the one cell that owns it.
+   */
+  template <int dim>
+  class LinearShapeFunctions : public ShapeFunctions<dim>
+  {
+  public:
+    /** @param body_component where the particles keep the index of the body */
+    explicit LinearShapeFunctions(const unsigned int body_component);
+
+    Stencils<dim>
+    evaluate(const dealii::Particles::ParticleHandler<dim> &particles,
+             const BackgroundGrid<dim> &grid) const override;
+
+  private:
+    const unsigned int body_component;
+  };
+} // namespace emmy
+
+#endif

@@ -1,0 +1,91 @@
+#ifndef emmy_solve_linear_solver_h
+#define emmy_solve_linear_solver_h
+
+#include <deal.II/lac/trilinos_sparse_matrix.h>
+#include <deal.II/lac/trilinos_vector.h>
+
+#include <emmy/base/section.h>
+
+#include <memory>
+#include <string>
+
+namespace emmy
+{
+  using Matrix = dealii::TrilinosWrappers::SparseMatrix;
+  using Vector = dealii::TrilinosWrappers::MPI::Vector;
+
+  /** Section `Solver`. */
+  class SolverParameters : public Section
+  {
+  public:
+    std::string  linear_solver      = "automatic";
+    std::string  preconditioner     = "ILU";
+    double       linear_tolerance   = 1e-8;
+    double       newton_tolerance   = 1e-11;
+    unsigned int maximum_iterations = 20;
+
+    explicit SolverParameters(const std::string &path = "Solver");
+
+    /** Throws ExcParameter. */
+    void
+    validate() const;
+  };
+
+  /** How a linear solve went. */
+  struct LinearResult
+  {
+    bool         is_solved  = true;
+    unsigned int iterations = 0; ///< of a Krylov method
+    std::string  problem;        ///< in words, if not solved
+  };
+
+  /**
+   * A solver for square, in general non-symmetric, matrices. Owned by the
+   * step; used for the point-to-grid map and by Newton.
+   */
+  class LinearSolver
+  {
+  public:
+    virtual ~LinearSolver() = default;
+
+    /** Factorise, or make the preconditioner. The matrix must stay alive. */
+    virtual LinearResult
+    prepare(const Matrix &matrix) = 0;
+
+    /**
+     * Solve with the prepared matrix to the relative residual @p tolerance
+     * (a direct solver: to round-off).
+     */
+    virtual LinearResult
+    solve(Vector &x, const Vector &b, const double tolerance) = 0;
+
+    /** For the log, e.g. "direct (KLU)". */
+    virtual std::string
+    name() const = 0;
+  };
+
+  /**
+   * The solver that the parameters name; "automatic" takes the direct one up
+   * to a size where its fill-in costs more than GMRES with ILU.
+   *
+   * @param n_dofs       size of the first system, for the choice
+   * @param n_components unknowns per node, for the multigrid's near-kernel
+   */
+  std::unique_ptr<LinearSolver>
+  make_linear_solver(const SolverParameters &parameters,
+                     const std::uint64_t     n_dofs,
+                     const unsigned int      n_components);
+
+  /**
+   * Solve to round-off: iterative refinement until the residual no longer
+   * falls, at most three times. The identities of the ledger need a small
+   * residual, not a small condition number.
+   */
+  LinearResult
+  solve_to_round_off(LinearSolver &solver,
+                     const Matrix &matrix,
+                     Vector       &x,
+                     const Vector &b);
+} // namespace emmy
+
+#endif

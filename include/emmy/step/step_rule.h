@@ -1,0 +1,65 @@
+#ifndef emmy_step_step_rule_h
+#define emmy_step_step_rule_h
+
+#include <emmy/base/section.h>
+#include <emmy/material/material.h>
+#include <emmy/transfer/particles_to_grid.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace emmy
+{
+  /** Section `Time`. */
+  class TimeParameters : public Section
+  {
+  public:
+    double       end_time          = 0.; // s, required
+    std::string  step_rule         = "normalised";
+    double       step_size         = 0.; // s, required by the rule `fixed`
+    double       factor            = 1.;
+    unsigned int maximum_steps     = 0;
+    unsigned int maximum_halvings  = 8;
+    bool         shorten_last_step = false;
+
+    explicit TimeParameters(const std::string &path = "Time");
+
+    /** Throws ExcParameter. */
+    void
+    validate() const;
+  };
+
+  /** Chooses the size of a step from the state at its start. */
+  template <int dim>
+  class StepRule
+  {
+  public:
+    virtual ~StepRule() = default;
+
+    /** The step, s. Collective. */
+    virtual double
+    operator()(const Stencils<dim>    &stencils,
+               const PointArrays<dim> &points,
+               const ActiveGrid<dim>  &active) const = 0;
+  };
+
+  /**
+   * The rule that the parameters name:
+   * - fixed: Step size;
+   * - wave: Factor h sqrt(rho/M), the smallest over the materials (eq. 57);
+   * - paper: Factor h min_A sqrt(m_A/(V_A M_A)) with M_A = sum S_Ap M_p as
+   *   printed (eq. 61), which shrinks with the number of points per cell;
+   * - normalised: the same with M_A divided by sum S_Ap.
+   *
+   * @param material_of_body borrowed; one per body
+   */
+  template <int dim>
+  std::unique_ptr<StepRule<dim>>
+  make_step_rule(const TimeParameters                     &parameters,
+                 const BackgroundGrid<dim>                &grid,
+                 const std::vector<const Material<dim> *> &material_of_body,
+                 const FieldLayout                        &layout);
+} // namespace emmy
+
+#endif

@@ -1,0 +1,97 @@
+#ifndef emmy_step_stepper_h
+#define emmy_step_stepper_h
+
+#include <emmy/assembly/balance.h>
+#include <emmy/assembly/step_report.h>
+#include <emmy/solve/newton.h>
+#include <emmy/step/step_rule.h>
+#include <emmy/transfer/grid_to_particles.h>
+
+namespace emmy
+{
+  /**
+   * Advances the particles by one step: particles -> grid -> solve ->
+   * particles. Owned by the scene; borrows all it is given.
+   */
+  template <int dim>
+  class Stepper
+  {
+  public:
+    Stepper(const BackgroundGrid<dim>               &grid,
+            const BoundaryConditions<dim>           &boundary_conditions,
+            const FieldLayout                       &layout,
+            const ShapeFunctions<dim>               &shape_functions,
+            const StepRule<dim>                     &step_rule,
+            const Balance<dim>                      &balance,
+            const SolverParameters                  &solver_parameters,
+            const TimeParameters                    &time_parameters,
+            dealii::Particles::ParticleHandler<dim> &particles,
+            Phases                                  &phases);
+
+    /** The state before the first step, as row 0 of the ledger. Collective. */
+    StepReport
+    initial_report();
+
+    /**
+     * One step. A step that does not converge leaves no trace and is tried
+     * again with half its size. Collective.
+     *
+     * Throws ExcRun on all ranks, with the particles as they were, if the
+     * step converges at no allowed size, or a particle would leave the grid.
+     */
+    StepReport
+    advance();
+
+    /** The linear solver in use, for the log. */
+    std::string
+    solver_name() const;
+
+    /** Active nodes, mass and momentum as the last step found them. */
+    const GridStart<dim> &
+    grid_start() const;
+
+    /** Velocity of those nodes at the end of the last step, m/s. */
+    const Vector &
+    grid_velocity() const;
+
+  private:
+    /** A solved step that is not yet written to the particles. */
+    struct Solution
+    {
+      std::unique_ptr<StepEquation<dim>> equation;
+      NewtonResult                       newton;
+      double                             time_step;
+      Vector                             displacement, velocity;
+      std::vector<std::string>           notes;
+    };
+
+    double
+    next_time_step(const Stencils<dim>    &stencils,
+                   const PointArrays<dim> &points) const;
+    Vector
+    velocity_from_momentum(const GridStart<dim> &start);
+    Solution
+    solve(const Stencils<dim> &stencils, const PointArrays<dim> &points);
+    StepReport
+    report(const Solution &solution, const PointArrays<dim> &points) const;
+
+    const BackgroundGrid<dim>               &grid;
+    const FieldLayout                       &layout;
+    const ShapeFunctions<dim>               &shape_functions;
+    const StepRule<dim>                     &step_rule;
+    const Balance<dim>                      &balance;
+    const SolverParameters                  &solver_parameters;
+    const TimeParameters                    &limits;
+    dealii::Particles::ParticleHandler<dim> &particles;
+    Phases                                  &phases;
+
+    ParticlesToGrid<dim>          particles_to_grid;
+    std::unique_ptr<LinearSolver> linear_solver;
+    const GridStart<dim>         *start = nullptr;
+    Vector                        velocity;
+    unsigned int                  step_number = 0;
+    double                        time        = 0.;
+  };
+} // namespace emmy
+
+#endif

@@ -1,0 +1,170 @@
+#ifndef emmy_transfer_active_grid_h
+#define emmy_transfer_active_grid_h
+
+#include <deal.II/base/index_set.h>
+
+#include <deal.II/base/partitioner.h>
+
+#include <deal.II/lac/affine_constraints.h>
+#include <deal.II/lac/trilinos_sparsity_pattern.h>
+#include <deal.II/lac/trilinos_vector.h>
+
+#include <emmy/grid/boundary_conditions.h>
+#include <emmy/particles/stencils.h>
+
+#include <vector>
+
+namespace emmy
+{
+  using Vector = dealii::TrilinosWrappers::MPI::Vector;
+
+  /**
+   * The part of the grid that particles touch, and the equations on it: the
+   * nodes of active cells, numbered without gaps over all ranks; the unknown
+   * of component c of node n is dim n + c. All other nodes carry no equation.
+   *
+   * Arrays over nodes are local to the rank: first the active nodes that it
+   * owns, in the order of their numbers, then those of its active cells that
+   * another rank owns.
+   *
+   * Made by the transfer when the set of active cells changes, kept
+   * otherwise. Cost: proportional to the rank's part of the grid.
+   */
+  template <int dim>
+  class ActiveGrid
+  {
+  public:
+    /** Collective. */
+    ActiveGrid(const Stencils<dim>           &stencils,
+               const BackgroundGrid<dim>     &grid,
+               const BoundaryConditions<dim> &boundary_conditions);
+
+    /**
+     * Whether these stencils have the same groups of nodes, so that numbering,
+     * constraints and sparsity can stay. Collective.
+     */
+    bool
+    fits(const Stencils<dim> &stencils) const;
+
+    /** Local indices of a group's nodes. */
+    const unsigned int *
+    nodes(const typename Stencils<dim>::Group &group) const
+    {
+      return group_nodes.data() + group.first_node;
+    }
+
+    unsigned int
+    n_local_nodes() const
+    {
+      return node_numbers.size();
+    }
+    unsigned int
+    n_owned_nodes() const
+    {
+      return node_partition->locally_owned_size();
+    }
+    dealii::types::global_dof_index
+    n_dofs() const
+    {
+      return owned_dofs.size();
+    }
+
+    /** The number of the first unknown of a local node. */
+    dealii::types::global_dof_index
+    first_dof(const unsigned int local_node) const
+    {
+      return dim * node_numbers[local_node];
+    }
+
+    const dealii::Point<dim> &
+    position(const unsigned int local_node) const
+    {
+      return node_positions[local_node];
+    }
+
+    /** A vector of unknowns, zero. */
+    Vector
+    make_vector() const;
+
+    /** The values of a vector at the local nodes: [dim * node + c]. Collective.
+     */
+    std::vector<double>
+    to_local(const Vector &vector) const;
+
+    /** Add an array over local nodes to a vector of unknowns. Collective. */
+    void
+    add(const std::vector<double> &local, Vector &vector) const;
+
+    /**
+     * Sum scalar arrays over local nodes over the ranks that share them;
+     * only the entries of owned nodes are complete afterwards. Collective.
+     */
+    void
+    sum_over_ranks(std::vector<double> &local) const;
+
+    MPI_Comm
+    communicator() const;
+
+    const dealii::IndexSet &
+    dofs() const
+    {
+      return owned_dofs;
+    }
+    const dealii::AffineConstraints<double> &
+    constraints() const
+    {
+      return essential;
+    }
+
+    /** Pattern of all matrices on this grid. */
+    const dealii::TrilinosWrappers::SparsityPattern &
+    sparsity() const
+    {
+      return pattern;
+    }
+
+    /** The active cells of this rank and the local indices of their nodes. */
+    const std::vector<typename BackgroundGrid<dim>::Cell> &
+    cells() const
+    {
+      return active_cells;
+    }
+    const std::array<unsigned int, BackgroundGrid<dim>::nodes_per_cell> &
+    cell_nodes(const unsigned int cell) const
+    {
+      return nodes_of_cell[cell];
+    }
+
+  private:
+    unsigned int
+    local_index(const dealii::types::global_dof_index grid_id) const;
+    void
+    number_nodes(const Stencils<dim> &stencils);
+    void
+    make_constraints(const BoundaryConditions<dim> &boundary_conditions);
+    void
+    make_sparsity(const Stencils<dim> &stencils);
+
+    const BackgroundGrid<dim>                      &grid;
+    std::vector<typename BackgroundGrid<dim>::Cell> active_cells;
+    std::vector<std::array<unsigned int, BackgroundGrid<dim>::nodes_per_cell>>
+      nodes_of_cell;
+
+    /** Grid ids of the local nodes and their local indices, sorted. */
+    std::vector<std::pair<dealii::types::global_dof_index, unsigned int>>
+                                                 local_index_of;
+    std::vector<dealii::types::global_dof_index> node_numbers;
+    std::vector<dealii::Point<dim>>              node_positions;
+    /** The stencils' node_ids and the same as local indices. */
+    std::vector<dealii::types::global_dof_index> group_node_ids;
+    std::vector<unsigned int>                    group_nodes;
+
+    std::shared_ptr<const dealii::Utilities::MPI::Partitioner> node_partition,
+      dof_partition;
+    dealii::IndexSet                          owned_dofs, known_dofs;
+    dealii::AffineConstraints<double>         essential;
+    dealii::TrilinosWrappers::SparsityPattern pattern;
+  };
+} // namespace emmy
+
+#endif

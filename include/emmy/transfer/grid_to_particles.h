@@ -1,0 +1,41 @@
+#ifndef emmy_transfer_grid_to_particles_h
+#define emmy_transfer_grid_to_particles_h
+
+#include <emmy/transfer/particles_to_grid.h>
+
+#include <string>
+
+namespace emmy
+{
+  /**
+   * Move the trial states: x_p += sum S u, v_p += sum S (v_new - v_old)
+   * (FLIP; Pretti et al. 2023, eqs 29, 30). Nothing is written to particles.
+   *
+   * @return the particle of this rank that would leave the grid, in words;
+   *   empty if there is none
+   */
+  template <int dim>
+  std::string
+  move_points(const Stencils<dim>       &stencils,
+              const ActiveGrid<dim>     &active,
+              const BackgroundGrid<dim> &grid,
+              const FieldLayout         &layout,
+              const Vector              &displacement,
+              const Vector              &velocity_change,
+              PointArrays<dim>          &trial);
+
+  /**
+   * Write accepted states to the particles and hand them to their new cells
+   * and ranks. The only place where particles are written. Collective.
+   * Throws ExcRun on all ranks if a particle got lost.
+   */
+  template <int dim>
+  void
+  grid_to_particles(const Stencils<dim>                     &stencils,
+                    const PointArrays<dim>                  &accepted,
+                    const FieldLayout                       &layout,
+                    const BackgroundGrid<dim>               &grid,
+                    dealii::Particles::ParticleHandler<dim> &particles);
+} // namespace emmy
+
+#endif

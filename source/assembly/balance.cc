@@ -1,0 +1,169 @@
+#include <emmy/assembly/balance.h>
+#include <emmy/base/exceptions.h>
+
+#include <algorithm>
+
+namespace emmy
+{
+  template <int dim>
+  Balance<dim>::Balance(Effects<dim> effects)
+    : effects(std::move(effects))
+  {}
+
+  template <int dim>
+  std::unique_ptr<StepEquation<dim>>
+  Balance<dim>::over(const StepData<dim> &step) const
+  {
+    return std::make_unique<StepEquation<dim>>(*this, step);
+  }
+
+  template <int dim>
+  std::vector<EnergyEntry>
+  Balance<dim>::energy_entries() const
+  {
+    std::vector<EnergyEntry> entries;
+    for (const auto &term : effects.terms)
+      for (const auto &entry : term->energy_entries())
+        entries.push_back(entry);
+    if (!effects.loads.empty())
+      entries.push_back({"load_work", EnergyEntry::Kind::work, 0.});
+    return entries;
+  }
+
+  template <int dim>
+  StepEquation<dim>::StepEquation(const Balance<dim>  &balance,
+                                  const StepData<dim> &step)
+    : balance(balance)
+    , step(step)
+    , external_force(step.start.active->make_vector())
+    , full_residual(step.start.active->make_vector())
+    , free_residual(step.start.active->make_vector())
+    , trial_states(step.points)
+  {
+    tangent.reinit(step.start.active->sparsity());
+    if (!balance.effects.loads.empty())
+    {
+      std::vector<double> local(dim * step.start.active->n_local_nodes());
+      for (const auto &load : balance.effects.loads)
+        load->add(step, local);
+      step.start.active->add(local, external_force);
+    }
+  }
+
+  template <int dim>
+  bool
+  StepEquation<dim>::evaluate(const Vector &solution, const bool with_jacobian)
+  {
+    const ActiveGrid<dim> &active = *step.start.active;
+    const auto             local  = active.to_local(solution);
+    const Iterate<dim>     iterate{solution, local, trial_states};
+
+    found.clear();
+    full_residual = 0.;
+    full_residual -= external_force;
+    force_scale = std::max(external_force.l2_norm(),
+                           2. / step.time_step * step.start.momentum.l2_norm());
+    if (with_jacobian)
+      tangent = 0.;
+    Vector force = active.make_vector();
+    for (const auto &term : balance.effects.terms)
+    {
+      force = 0.;
+      const std::string problem =
+        term->add(step, iterate, force, with_jacobian ? &tangent : nullptr);
+      if (found.empty())
+        found = problem;
+      if (dealii::Utilities::MPI::max(found.empty() ? 0 : 1,
+                                      active.communicator()) == 1)
+        return false;
+      full_residual += force;
+      force_scale = std::max(force_scale, force.l2_norm());
+    }
+    if (with_jacobian)
+      tangent.compress(dealii::VectorOperation::add);
+
+    free_residual = full_residual;
+    active.constraints().set_zero(free_residual);
+    return true;
+  }
+
+  template <int dim>
+  const Vector &
+  StepEquation<dim>::residual() const
+  {
+    return free_residual;
+  }
+
+  template <int dim>
+  const Matrix &
+  StepEquation<dim>::jacobian() const
+  {
+    return tangent;
+  }
+
+  template <int dim>
+  double
+  StepEquation<dim>::scale() const
+  {
+    return force_scale;
+  }
+
+  template <int dim>
+  const std::string &
+  StepEquation<dim>::problem() const
+  {
+    return found;
+  }
+
+  template <int dim>
+  const Vector &
+  StepEquation<dim>::unconstrained_residual() const
+  {
+    return full_residual;
+  }
+
+  template <int dim>
+  const Vector &
+  StepEquation<dim>::load() const
+  {
+    return external_force;
+  }
+
+  template <int dim>
+  PointArrays<dim> &
+  StepEquation<dim>::trial()
+  {
+    return trial_states;
+  }
+
+  template <int dim>
+  const PointArrays<dim> &
+  StepEquation<dim>::trial() const
+  {
+    return trial_states;
+  }
+
+  template <int dim>
+  std::vector<EnergyEntry>
+  StepEquation<dim>::energies(const Vector &solution) const
+  {
+    std::vector<EnergyEntry> entries;
+    for (const auto &term : balance.effects.terms)
+      for (auto entry : term->energies(step, solution, trial_states))
+      {
+        entry.change =
+          dealii::Utilities::MPI::sum(entry.change,
+                                      step.start.active->communicator());
+        entries.push_back(entry);
+      }
+    if (!balance.effects.loads.empty())
+      entries.push_back(
+        {"load_work", EnergyEntry::Kind::work, external_force * solution});
+    return entries;
+  }
+
+  template class Balance<2>;
+  template class Balance<3>;
+  template class StepEquation<2>;
+  template class StepEquation<3>;
+} // namespace emmy

@@ -1,0 +1,36 @@
+#include <emmy/assembly/gravity.h>
+
+#include <cctype>
+
+namespace emmy
+{
+  std::string
+  effect_section(const std::string &effect_name)
+  {
+    std::string section = effect_name;
+    if (!section.empty())
+      section[0] = std::toupper(static_cast<unsigned char>(section[0]));
+    return "Effects/" + section;
+  }
+
+  template <int dim>
+  Library<EffectParameters<dim>> &
+  effect_library()
+  {
+    static Library<EffectParameters<dim>> library = [] {
+      Library<EffectParameters<dim>> effects;
+      effects.add({"gravity",
+                   "a constant acceleration on all particles",
+                   [](const std::string &section) {
+                     return std::make_unique<GravityParameters<dim>>(section);
+                   }});
+      return effects;
+    }();
+    return library;
+  }
+
+  template Library<EffectParameters<2>> &
+  effect_library<2>();
+  template Library<EffectParameters<3>> &
+  effect_library<3>();
+} // namespace emmy

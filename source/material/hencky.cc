@@ -1,0 +1,189 @@
+#include <emmy/material/hencky.h>
+#include <emmy/math/spectral.h>
+
+namespace emmy
+{
+  using dealii::Patterns::Double;
+
+  void
+  ElasticConstants::add_to(Section &section)
+  {
+    auto &prm = dealii::ParameterAcceptor::prm;
+    section.add_parameter("Density",
+                          density,
+                          "Mass per undeformed volume. Unit: kg/m^3. Required.",
+                          prm,
+                          Double(0.));
+    section.add_parameter("Young's modulus",
+                          young_modulus,
+                          "Unit: Pa. Goes with <Poisson's ratio>. 0: not "
+                          "given.",
+                          prm,
+                          Double(0.));
+    section.add_parameter("Poisson's ratio",
+                          poisson_ratio,
+                          "Between -1 and 0.5, both excluded; dimensionless. "
+                          "-2: not given.",
+                          prm,
+                          Double());
+    section.add_parameter("Bulk modulus",
+                          bulk_modulus,
+                          "Unit: Pa. Goes with <Shear modulus>, instead of "
+                          "Young's modulus and Poisson's ratio. 0: not given.",
+                          prm,
+                          Double(0.));
+    section.add_parameter("Shear modulus",
+                          shear_modulus,
+                          "Unit: Pa. See <Bulk modulus>. 0: not given.",
+                          prm,
+                          Double(0.));
+  }
+
+  ElasticConstants
+  ElasticConstants::completed(const std::string &section) const
+  {
+    const auto require = [&section](const bool         condition,
+                                    const std::string &name,
+                                    const double       value,
+                                    const std::string &advice) {
+      AssertThrow(condition,
+                  ExcParameter(section, name, shortest(value), advice));
+    };
+    require(density > 0.,
+            "Density",
+            density,
+            "a density is required and must be positive (kg/m^3). Set it in "
+            "this section.");
+
+    ElasticConstants result     = *this;
+    const bool       engineers  = young_modulus != 0. || poisson_ratio != -2.;
+    const bool       invariants = bulk_modulus != 0. || shear_modulus != 0.;
+    require(!(engineers && invariants),
+            "Bulk modulus",
+            bulk_modulus,
+            "two pairs of elastic constants are mixed. Give either Young's "
+            "modulus and Poisson's ratio, or bulk modulus and shear modulus.");
+    if (invariants)
+    {
+      require(bulk_modulus > 0.,
+              "Bulk modulus",
+              bulk_modulus,
+              "required with <Shear modulus>, and must be positive (Pa).");
+      require(shear_modulus > 0.,
+              "Shear modulus",
+              shear_modulus,
+              "required with <Bulk modulus>, and must be positive (Pa).");
+      result.young_modulus =
+        9. * bulk_modulus * shear_modulus / (3. * bulk_modulus + shear_modulus);
+      result.poisson_ratio = (3. * bulk_modulus - 2. * shear_modulus) /
+                             (2. * (3. * bulk_modulus + shear_modulus));
+      return result;
+    }
+    require(young_modulus > 0.,
+            "Young's modulus",
+            young_modulus,
+            "an elastic constant is missing or not positive. Set Young's "
+            "modulus (Pa) and Poisson's ratio, or bulk modulus and shear "
+            "modulus, in this section.");
+    require(poisson_ratio > -1. && poisson_ratio < 0.5,
+            "Poisson's ratio",
+            poisson_ratio,
+            "must lie between -1 and 0.5, both excluded. For a nearly "
+            "incompressible solid use 0.49 and watch for locking.");
+    result.bulk_modulus  = young_modulus / (3. * (1. - 2. * poisson_ratio));
+    result.shear_modulus = young_modulus / (2. * (1. + poisson_ratio));
+    return result;
+  }
+
+  template <int dim>
+  Hencky<dim>::Hencky(const ElasticConstants &constants)
+    : reference_density(constants.density)
+    , bulk_modulus(constants.bulk_modulus)
+    , shear_modulus(constants.shear_modulus)
+  {}
+
+  template <int dim>
+  void
+  Hencky<dim>::evaluate(MaterialBatch<dim> &batch) const
+  {
+    constexpr auto normal = mandel::normal_components<dim>();
+    constexpr auto ij     = mandel::pairs<dim>();
+    const double   K = bulk_modulus, G = shear_modulus;
+
+    for (unsigned int p = 0; p < batch.n_points; ++p)
+    {
+      // everything in the principal frame of b, then rotated
+      const auto b = spectral_decomposition<dim>(batch.left_cauchy_green[p]);
+      const auto Q = mandel::congruence<dim>(b.vectors);
+
+      std::array<double, 3> log_b, tau;
+      for (unsigned int i = 0; i < 3; ++i)
+        log_b[i] = std::log(b.values[i]);
+      const double trace = 0.5 * (log_b[0] + log_b[1] + log_b[2]);
+
+      double            deviator_squared = 0.;
+      MandelVector<dim> tau_principal;
+      for (unsigned int i = 0; i < 3; ++i)
+      {
+        const double deviator = 0.5 * log_b[i] - trace / 3.;
+        deviator_squared += deviator * deviator;
+        tau[i]                   = K * trace + 2. * G * deviator;
+        tau_principal[normal[i]] = tau[i];
+      }
+      batch.stored_energy[p] = 0.5 * K * trace * trace + G * deviator_squared;
+      batch.kirchhoff_stress[p] = Q * tau_principal;
+
+      if (!batch.with_tangent)
+        continue;
+      MandelMatrix<dim> c;
+      for (unsigned int i = 0; i < 3; ++i)
+      {
+        for (unsigned int j = 0; j < 3; ++j)
+          c[normal[i]][normal[j]] = K - 2. / 3. * G;
+        c[normal[i]][normal[i]] += 2. * G - 2. * tau[i];
+      }
+      for (unsigned int a = dim; a < n_in_plane<dim>; ++a)
+      {
+        const unsigned int i = ij[a][0], j = ij[a][1];
+        c[a][a] =
+          2. * G *
+            logarithm_quotient(b.values[i], b.values[j], log_b[i] - log_b[j]) -
+          (tau[i] + tau[j]);
+      }
+      batch.spatial_tangent[p] = mandel::transform<dim>(Q, c);
+    }
+  }
+
+  template <int dim>
+  double
+  Hencky<dim>::density() const
+  {
+    return reference_density;
+  }
+
+  template <int dim>
+  double
+  Hencky<dim>::p_wave_modulus() const
+  {
+    return bulk_modulus + 4. / 3. * shear_modulus;
+  }
+
+  template <int dim>
+  HenckyParameters<dim>::HenckyParameters(const std::string &section)
+    : MaterialParameters<dim>(section)
+  {
+    constants.add_to(*this);
+  }
+
+  template <int dim>
+  std::unique_ptr<Material<dim>>
+  HenckyParameters<dim>::make() const
+  {
+    return std::make_unique<Hencky<dim>>(constants.completed(this->path()));
+  }
+
+  template class Hencky<2>;
+  template class Hencky<3>;
+  template class HenckyParameters<2>;
+  template class HenckyParameters<3>;
+} // namespace emmy

@@ -1,0 +1,25 @@
+#include <emmy/material/hencky.h>
+
+namespace emmy
+{
+  template <int dim>
+  Library<MaterialParameters<dim>> &
+  material_library()
+  {
+    static Library<MaterialParameters<dim>> library = [] {
+      Library<MaterialParameters<dim>> materials;
+      materials.add({"Hencky",
+                     "isotropic elasticity, quadratic in logarithmic strain",
+                     [](const std::string &section) {
+                       return std::make_unique<HenckyParameters<dim>>(section);
+                     }});
+      return materials;
+    }();
+    return library;
+  }
+
+  template Library<MaterialParameters<2>> &
+  material_library<2>();
+  template Library<MaterialParameters<3>> &
+  material_library<3>();
+} // namespace emmy

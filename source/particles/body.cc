@@ -1,0 +1,277 @@
+#include <emmy/base/collective.h>
+#include <emmy/base/exceptions.h>
+#include <emmy/particles/body.h>
+
+namespace emmy
+{
+  using dealii::Point;
+
+  template <int dim>
+  BodyParameters<dim>::BodyParameters(const std::string &section,
+                                      const std::string &shape)
+    : Section(section)
+    , shape_name(shape)
+  {
+    this->add_parameter("Shape",
+                        shape_name,
+                        "What the body looks like: " +
+                          join(shape_library<dim>().names()) +
+                          ". Its measures stand in a subsection of that name. "
+                          "Required.");
+    this->add_parameter("Material",
+                        material,
+                        "One of Materials/Names. Required.");
+    this->add_parameter("Points per direction",
+                        points_per_direction,
+                        "Each cell is divided into this number of boxes in "
+                        "each direction; a box whose centre is in the shape "
+                        "becomes a particle. Required.",
+                        this->prm,
+                        dealii::Patterns::Integer(0));
+    this->add_parameter("Initial velocity",
+                        initial_velocity,
+                        "Components separated by ;, each a formula in x, y "
+                        "(and z). Unit: m/s. Empty: at rest.");
+    if (!shape.empty())
+      shape_parameters = shape_library<dim>()
+                           .find(shape, section, "Shape")
+                           .make_parameters(section + "/" + shape);
+  }
+
+  template <int dim>
+  const ShapeParameters<dim> &
+  BodyParameters<dim>::shape() const
+  {
+    return *shape_parameters;
+  }
+
+  template <int dim>
+  void
+  BodyParameters<dim>::validate() const
+  {
+    AssertThrow(shape_parameters != nullptr,
+                ExcParameter(this->path(),
+                             "Shape",
+                             "",
+                             "it is required. Known shapes are: " +
+                               join(shape_library<dim>().names()) + "."));
+    AssertThrow(points_per_direction > 0,
+                ExcParameter(this->path(),
+                             "Points per direction",
+                             std::to_string(points_per_direction),
+                             "it is required and must be at least 1."));
+  }
+
+  template <int dim>
+  Body<dim>
+  make_body(const std::string         &name,
+            const BodyParameters<dim> &parameters,
+            const unsigned int         material,
+            const double               density)
+  {
+    parameters.validate();
+    Body<dim> body;
+    body.name                 = name;
+    body.material             = material;
+    body.density              = density;
+    body.points_per_direction = parameters.points_per_direction;
+    body.shape                = parameters.shape().make();
+    body.initial_velocity = std::make_unique<dealii::FunctionParser<dim>>(dim);
+
+    std::string text = parameters.initial_velocity;
+    if (dealii::Utilities::trim(text).empty())
+      for (unsigned int d = 0; d < dim; ++d)
+        text += d == 0 ? "0" : ";0";
+    try
+    {
+      body.initial_velocity->initialize(
+        dealii::FunctionParser<dim>::default_variable_names(),
+        text,
+        std::map<std::string, double>{{"pi", dealii::numbers::PI}});
+      body.initial_velocity->value(Point<dim>());
+    }
+    catch (const std::exception &)
+    {
+      AssertThrow(false,
+                  ExcParameter(
+                    parameters.path(),
+                    "Initial velocity",
+                    text,
+                    "it cannot be read. Write " + std::to_string(dim) +
+                      " components separated by ;, each a formula in " +
+                      dealii::FunctionParser<dim>::default_variable_names() +
+                      ", e.g. " + (dim == 2 ? "0.75; 0" : "0.75; 0; 0") + "."));
+    }
+    return body;
+  }
+
+  template <int dim>
+  std::vector<Point<dim>>
+  points_in_cell(const Body<dim>                          &body,
+                 const BackgroundGrid<dim>                &grid,
+                 const typename BackgroundGrid<dim>::Cell &cell)
+  {
+    const Point<dim>              lower = cell->vertex(0);
+    const auto                    box   = body.shape->bounding_box();
+    const dealii::Tensor<1, dim> &h     = grid.cell_size();
+    for (unsigned int d = 0; d < dim; ++d)
+      if (lower[d] > box.upper_bound(d) || lower[d] + h[d] < box.lower_bound(d))
+        return {};
+
+    const unsigned int      n = body.points_per_direction;
+    std::vector<Point<dim>> points;
+    for (unsigned int k = 0; k < (dim == 3 ? n : 1); ++k)
+      for (unsigned int j = 0; j < n; ++j)
+        for (unsigned int i = 0; i < n; ++i)
+        {
+          const std::array<unsigned int, 3> index{{i, j, k}};
+          Point<dim>                        center;
+          for (unsigned int d = 0; d < dim; ++d)
+            center[d] = lower[d] + (index[d] + 0.5) / n * h[d];
+          if (body.shape->contains(center))
+            points.push_back(center);
+        }
+    return points;
+  }
+
+  namespace
+  {
+    /** What is wrong with the extent of a body, if anything. */
+    template <int dim>
+    std::string
+    extent_problem(const Body<dim> &body, const BackgroundGrid<dim> &grid)
+    {
+      const auto box = body.shape->bounding_box();
+      // a shape that does not know its extent (expression) is cut by the grid
+      if (box.upper_bound(0) == std::numeric_limits<double>::max())
+        return "";
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double tolerance = 1e-9 * grid.cell_size()[d];
+        if (box.lower_bound(d) < grid.lower_corner()[d] - tolerance ||
+            box.upper_bound(d) > grid.upper_corner()[d] + tolerance)
+          return "body <" + body.name + "> spans " + "xyz"[d] + " = " +
+                 shortest(box.lower_bound(d)) + " ... " +
+                 shortest(box.upper_bound(d)) +
+                 " m, which is not inside the grid, " +
+                 shortest(grid.lower_corner()[d]) + " ... " +
+                 shortest(grid.upper_corner()[d]) + " m";
+      }
+      return "";
+    }
+  } // namespace
+
+  template <int dim>
+  void
+  fill(const std::vector<Body<dim>>            &bodies,
+       const BackgroundGrid<dim>               &grid,
+       const FieldLayout                       &layout,
+       dealii::Particles::ParticleHandler<dim> &particles)
+  {
+    using Cell                  = typename BackgroundGrid<dim>::Cell;
+    const MPI_Comm communicator = grid.communicator();
+    for (const Body<dim> &body : bodies)
+      throw_together(communicator,
+                     "Bodies",
+                     extent_problem(body, grid),
+                     "enlarge the grid (Grid/Lower corner, Upper corner) or "
+                     "move the body.");
+
+    // who is where
+    struct Filling
+    {
+      Cell                    cell;
+      unsigned int            body;
+      std::vector<Point<dim>> points;
+    };
+    std::vector<Filling>       fillings;
+    std::vector<unsigned long> n_points(bodies.size(), 0);
+    std::string                overlap;
+    for (const auto &cell : grid.triangulation().active_cell_iterators())
+      if (cell->is_locally_owned())
+        for (unsigned int b = 0; b < bodies.size(); ++b)
+        {
+          Filling filling{cell, b, points_in_cell(bodies[b], grid, cell)};
+          n_points[b] += filling.points.size();
+          for (const Point<dim> &point : filling.points)
+            for (unsigned int other = 0; other < bodies.size(); ++other)
+              if (other != b && overlap.empty() &&
+                  bodies[other].shape->contains(point))
+                overlap = "bodies <" + bodies[b].name + "> and <" +
+                          bodies[other].name + "> overlap, e.g. at (" +
+                          dealii::Patterns::Tools::to_string(point) + ") m";
+          if (!filling.points.empty())
+            fillings.push_back(std::move(filling));
+        }
+    throw_together(communicator,
+                   "Bodies",
+                   overlap,
+                   "move or shrink one of them; bodies may touch.");
+    for (unsigned int b = 0; b < bodies.size(); ++b)
+      throw_together(
+        communicator,
+        "Bodies",
+        dealii::Utilities::MPI::sum(n_points[b], communicator) > 0
+          ? ""
+          : "body <" + bodies[b].name +
+              "> holds no particle: no box centre of the cells' subdivision lies "
+              "in its shape",
+        "raise its Points per direction, refine the grid, or check its shape.");
+
+    // ids that are unique over the ranks
+    unsigned long n_local = 0;
+    for (const unsigned long n : n_points)
+      n_local += n;
+    dealii::types::particle_index id =
+      sum_below_and_total(n_local, communicator).first;
+
+    const unsigned int velocity = layout["velocity"], mass = layout["mass"],
+                       volume            = layout["reference_volume"],
+                       body              = layout["body"];
+    const dealii::Tensor<1, dim> &h      = grid.cell_size();
+    std::vector<double>           values = layout.initial_values();
+    particles.reserve(n_local);
+    for (const Filling &filling : fillings)
+    {
+      const Body<dim> &from = bodies[filling.body];
+      values[body]          = filling.body;
+      values[volume]        = 1.;
+      for (unsigned int d = 0; d < dim; ++d)
+        values[volume] *= h[d] / from.points_per_direction;
+      values[mass] = from.density * values[volume];
+      for (const Point<dim> &point : filling.points)
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+          values[velocity + d] = from.initial_velocity->value(point, d);
+        Point<dim> reference;
+        for (unsigned int d = 0; d < dim; ++d)
+          reference[d] = (point[d] - filling.cell->vertex(0)[d]) / h[d];
+        particles.insert_particle(
+          point,
+          reference,
+          id++,
+          filling.cell,
+          dealii::ArrayView<const double>(values.data(), values.size()));
+      }
+    }
+    particles.update_cached_numbers();
+  }
+
+#define INSTANTIATE(dim)                                                       \
+  template class BodyParameters<dim>;                                          \
+  template Body<dim>               make_body<dim>(const std::string &,         \
+                                    const BodyParameters<dim> &, \
+                                    const unsigned int,          \
+                                    const double);               \
+  template std::vector<Point<dim>> points_in_cell<dim>(                        \
+    const Body<dim> &,                                                         \
+    const BackgroundGrid<dim> &,                                               \
+    const typename BackgroundGrid<dim>::Cell &);                               \
+  template void fill<dim>(const std::vector<Body<dim>> &,                      \
+                          const BackgroundGrid<dim> &,                         \
+                          const FieldLayout &,                                 \
+                          dealii::Particles::ParticleHandler<dim> &);
+  INSTANTIATE(2)
+  INSTANTIATE(3)
+#undef INSTANTIATE
+} // namespace emmy

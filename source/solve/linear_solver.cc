@@ -1,0 +1,252 @@
+#include <deal.II/lac/solver_control.h>
+#include <deal.II/lac/trilinos_precondition.h>
+#include <deal.II/lac/trilinos_solver.h>
+
+#include <emmy/base/exceptions.h>
+#include <emmy/base/text.h>
+#include <emmy/solve/linear_solver.h>
+
+namespace emmy
+{
+  namespace TW = dealii::TrilinosWrappers;
+
+  SolverParameters::SolverParameters(const std::string &path)
+    : Section(path)
+  {
+    add_parameter("Linear solver",
+                  linear_solver,
+                  "direct: LU factorisation. GMRES, BiCGStab: Krylov methods "
+                  "with <Preconditioner>. automatic: direct for small systems, "
+                  "GMRES else.",
+                  prm,
+                  dealii::Patterns::Selection(
+                    "automatic|direct|GMRES|BiCGStab"));
+    add_parameter("Preconditioner",
+                  preconditioner,
+                  "Of the Krylov methods. ML is algebraic multigrid.",
+                  prm,
+                  dealii::Patterns::Selection("Jacobi|ILU|ML"));
+    add_parameter("Linear tolerance",
+                  linear_tolerance,
+                  "Residual of a Krylov solve, relative to its right-hand "
+                  "side, within Newton. Dimensionless, between 0 and 1.",
+                  prm,
+                  dealii::Patterns::Double(0., 1.));
+    add_parameter("Newton tolerance",
+                  newton_tolerance,
+                  "Newton stops when sum |r||du| has fallen to this fraction "
+                  "of its first value (Pretti et al. 2023, sec. 3.4), or the "
+                  "residual to round-off. Dimensionless, between 0 and 1.",
+                  prm,
+                  dealii::Patterns::Double(0., 1.));
+    add_parameter("Maximum iterations",
+                  maximum_iterations,
+                  "Newton iterations after which a step is given up.",
+                  prm,
+                  dealii::Patterns::Integer(1));
+  }
+
+  void
+  SolverParameters::validate() const
+  {
+    const auto require_fraction = [this](const std::string &name,
+                                         const double       value) {
+      AssertThrow(value > 0. && value < 1.,
+                  ExcParameter(path(),
+                               name,
+                               shortest(value),
+                               "must lie between 0 and 1, both excluded."));
+    };
+    require_fraction("Linear tolerance", linear_tolerance);
+    require_fraction("Newton tolerance", newton_tolerance);
+  }
+
+  namespace
+  {
+    class DirectSolver : public LinearSolver
+    {
+    public:
+      LinearResult
+      prepare(const Matrix &matrix) override
+      {
+        LinearResult result;
+        try
+        {
+          solver = std::make_unique<TW::SolverDirect>(control);
+          solver->initialize(matrix);
+        }
+        catch (const std::exception &)
+        {
+          result.is_solved = false;
+          result.problem   = "the matrix is singular: LU factorisation failed";
+        }
+        return result;
+      }
+
+      LinearResult
+      solve(Vector &x, const Vector &b, const double) override
+      {
+        LinearResult result;
+        solver->solve(x, b);
+        const double norm = x.l2_norm();
+        if (!std::isfinite(norm))
+        {
+          result.is_solved = false;
+          result.problem   = "the matrix is singular: LU gave no number";
+        }
+        return result;
+      }
+
+      std::string
+      name() const override
+      {
+        return "direct (KLU)";
+      }
+
+    private:
+      dealii::SolverControl             control;
+      std::unique_ptr<TW::SolverDirect> solver;
+    };
+
+    class KrylovSolver : public LinearSolver
+    {
+    public:
+      KrylovSolver(const std::string &method,
+                   const std::string &preconditioner,
+                   const unsigned int n_components)
+        : method(method)
+        , preconditioner_name(preconditioner)
+        , n_components(n_components)
+      {}
+
+      LinearResult
+      prepare(const Matrix &new_matrix) override
+      {
+        LinearResult result;
+        matrix = &new_matrix;
+        try
+        {
+          if (preconditioner_name == "Jacobi")
+          {
+            auto jacobi = std::make_unique<TW::PreconditionJacobi>();
+            jacobi->initialize(*matrix);
+            preconditioner = std::move(jacobi);
+          }
+          else if (preconditioner_name == "ILU")
+          {
+            auto ilu = std::make_unique<TW::PreconditionILU>();
+            ilu->initialize(*matrix);
+            preconditioner = std::move(ilu);
+          }
+          else
+          {
+            TW::PreconditionAMG::AdditionalData data;
+            data.elliptic = false; // the tangent is not symmetric
+            data.constant_modes.resize(n_components,
+                                       std::vector<bool>(matrix->local_size(),
+                                                         false));
+            // all components of a node are on one rank
+            for (unsigned int i = 0; i < matrix->local_size(); ++i)
+              data.constant_modes[i % n_components][i] = true;
+            auto multigrid = std::make_unique<TW::PreconditionAMG>();
+            multigrid->initialize(*matrix, data);
+            preconditioner = std::move(multigrid);
+          }
+        }
+        catch (const std::exception &)
+        {
+          result.is_solved = false;
+          result.problem =
+            "the preconditioner " + preconditioner_name + " cannot be made";
+        }
+        return result;
+      }
+
+      LinearResult
+      solve(Vector &x, const Vector &b, const double tolerance) override
+      {
+        LinearResult          result;
+        dealii::SolverControl control(1000, tolerance * b.l2_norm());
+        x = 0.;
+        try
+        {
+          if (method == "GMRES")
+            TW::SolverGMRES(control,
+                            TW::SolverGMRES::AdditionalData(false, 100))
+              .solve(*matrix, x, b, *preconditioner);
+          else
+            TW::SolverBicgstab(control).solve(*matrix, x, b, *preconditioner);
+        }
+        catch (const std::exception &)
+        {
+          result.is_solved = false;
+          result.problem   = name() + " did not reach the relative residual " +
+                           shortest(tolerance) + " in " +
+                           std::to_string(control.last_step()) + " iterations";
+        }
+        result.iterations = control.last_step();
+        return result;
+      }
+
+      std::string
+      name() const override
+      {
+        return method + " with " + preconditioner_name;
+      }
+
+    private:
+      const std::string                     method, preconditioner_name;
+      const unsigned int                    n_components;
+      const Matrix                         *matrix = nullptr;
+      std::unique_ptr<TW::PreconditionBase> preconditioner;
+    };
+  } // namespace
+
+  std::unique_ptr<LinearSolver>
+  make_linear_solver(const SolverParameters &parameters,
+                     const std::uint64_t     n_dofs,
+                     const unsigned int      n_components)
+  {
+    parameters.validate();
+    std::string method = parameters.linear_solver;
+    if (method == "automatic")
+      method =
+        n_dofs <= (n_components == 2 ? 60000 : 9000) ? "direct" : "GMRES";
+    if (method == "direct")
+      return std::make_unique<DirectSolver>();
+    return std::make_unique<KrylovSolver>(method,
+                                          parameters.preconditioner,
+                                          n_components);
+  }
+
+  LinearResult
+  solve_to_round_off(LinearSolver &solver,
+                     const Matrix &matrix,
+                     Vector       &x,
+                     const Vector &b)
+  {
+    LinearResult result = solver.prepare(matrix);
+    if (!result.is_solved)
+      return result;
+    const double krylov_tolerance = 1e-10;
+    result                        = solver.solve(x, b, krylov_tolerance);
+    Vector residual(b), correction(b);
+    double norm = matrix.residual(residual, x, b);
+    for (unsigned int i = 0; i < 3 && result.is_solved && norm > 0.; ++i)
+    {
+      const LinearResult refined =
+        solver.solve(correction, residual, krylov_tolerance);
+      if (!refined.is_solved)
+        break;
+      result.iterations += refined.iterations;
+      Vector better(x);
+      better += correction;
+      const double better_norm = matrix.residual(residual, better, b);
+      if (!(better_norm < norm))
+        break;
+      x    = better;
+      norm = better_norm;
+    }
+    return result;
+  }
+} // namespace emmy

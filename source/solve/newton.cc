@@ -1,0 +1,106 @@
+#include <emmy/base/text.h>
+#include <emmy/solve/newton.h>
+
+namespace emmy
+{
+  namespace
+  {
+    /** |r| below this fraction of the forces is round-off. */
+    constexpr double round_off = 1e-12;
+
+    /** sum |a_i||b_i|. */
+    double
+    absolute_product(const Vector &a, const Vector &b)
+    {
+      double sum = 0.;
+      auto   j   = b.begin();
+      for (auto i = a.begin(); i != a.end(); ++i, ++j)
+        sum += std::abs(*i) * std::abs(*j);
+      return dealii::Utilities::MPI::sum(sum, a.get_mpi_communicator());
+    }
+  } // namespace
+
+  Newton::Newton(const SolverParameters &parameters,
+                 LinearSolver           &linear_solver,
+                 Phases                 &phases)
+    : tolerance(parameters.newton_tolerance)
+    , linear_tolerance(parameters.linear_tolerance)
+    , maximum_iterations(parameters.maximum_iterations)
+    , linear_solver(linear_solver)
+    , phases(phases)
+  {
+    parameters.validate();
+  }
+
+  NewtonResult
+  Newton::solve(NonlinearEquation &equation, Vector &solution) const
+  {
+    NewtonResult result;
+    const auto   evaluate = [&] {
+      const auto scope = phases.scope("residual and tangent");
+      return equation.evaluate(solution, /*with_jacobian=*/true);
+    };
+    if (!evaluate())
+    {
+      result.problem = equation.problem();
+      return result;
+    }
+    double norm = equation.residual().l2_norm();
+    result.residual_history.push_back(norm);
+    if (norm <= round_off * equation.scale())
+    {
+      result.is_converged = true;
+      return result;
+    }
+
+    Vector increment(solution), right_side(solution);
+    while (result.iterations < maximum_iterations)
+    {
+      right_side.equ(-1., equation.residual());
+      {
+        const auto   scope = phases.scope("linear solve");
+        LinearResult solve = linear_solver.prepare(equation.jacobian());
+        if (solve.is_solved)
+          solve = linear_solver.solve(increment, right_side, linear_tolerance);
+        result.linear_iterations += solve.iterations;
+        if (!solve.is_solved)
+        {
+          result.problem = "linear solver: " + solve.problem;
+          return result;
+        }
+      }
+      ++result.iterations;
+
+      solution += increment;
+      bool has_meaning = evaluate();
+      for (unsigned int halving = 0; !has_meaning && halving < 6; ++halving)
+      {
+        increment *= 0.5;
+        solution -= increment;
+        has_meaning = evaluate();
+      }
+      if (!has_meaning)
+      {
+        result.problem = equation.problem();
+        return result;
+      }
+
+      norm = equation.residual().l2_norm();
+      result.residual_history.push_back(norm);
+      result.work_history.push_back(
+        absolute_product(equation.residual(), increment));
+      if (result.work_history.back() <
+            tolerance * result.work_history.front() ||
+          norm <= round_off * equation.scale())
+      {
+        result.is_converged = true;
+        return result;
+      }
+    }
+    result.problem = "not converged in " + std::to_string(maximum_iterations) +
+                     " iterations; |r| fell from " +
+                     shortest(result.residual_history.front()) + " to " +
+                     shortest(norm) + " N";
+    return result;
+  }
+} // namespace emmy

@@ -1,0 +1,213 @@
+#include <emmy/base/exceptions.h>
+#include <emmy/base/text.h>
+#include <emmy/step/step_rule.h>
+
+#include <limits>
+
+namespace emmy
+{
+  TimeParameters::TimeParameters(const std::string &path)
+    : Section(path)
+  {
+    using dealii::Patterns::Double;
+    using dealii::Patterns::Integer;
+    // negative numbers pass the patterns so that validate() can explain them
+    add_parameter("End time",
+                  end_time,
+                  "The run ends at the first step that reaches it. Unit: s. "
+                  "Required, positive.",
+                  prm,
+                  Double());
+    add_parameter("Step rule",
+                  step_rule,
+                  "fixed: <Step size>. wave: time of a P-wave through a cell "
+                  "(Pretti et al. 2023, eq. 57). paper: eq. 61 as printed, "
+                  "from nodal sums. normalised: the same with averaged moduli.",
+                  prm,
+                  dealii::Patterns::Selection("fixed|wave|paper|normalised"));
+    add_parameter("Step size",
+                  step_size,
+                  "Step of the rule <fixed>. Unit: s.",
+                  prm,
+                  Double());
+    add_parameter("Factor",
+                  factor,
+                  "Multiplies the rules wave, paper and normalised. "
+                  "Dimensionless, positive.",
+                  prm,
+                  Double());
+    add_parameter("Maximum steps",
+                  maximum_steps,
+                  "The run ends after so many steps. 0: no limit.",
+                  prm,
+                  Integer(0));
+    add_parameter("Maximum halvings",
+                  maximum_halvings,
+                  "How often a step that does not converge is halved before "
+                  "the run stops.",
+                  prm,
+                  Integer(0, 50));
+    add_parameter("Shorten last step",
+                  shorten_last_step,
+                  "Whether the last step is cut to end at <End time>.");
+  }
+
+  void
+  TimeParameters::validate() const
+  {
+    const auto require_positive = [this](const std::string &name,
+                                         const double       value,
+                                         const std::string &unit) {
+      AssertThrow(value > 0. && std::isfinite(value),
+                  ExcParameter(path(),
+                               name,
+                               shortest(value),
+                               "it is required and must be positive" + unit +
+                                 "."));
+    };
+    require_positive("End time", end_time, " (s)");
+    if (step_rule == "fixed")
+      require_positive("Step size", step_size, " (s) with Step rule = fixed");
+    else
+      require_positive("Factor", factor, "");
+  }
+
+  namespace
+  {
+    template <int dim>
+    class ConstantStep : public StepRule<dim>
+    {
+    public:
+      explicit ConstantStep(const double size)
+        : size(size)
+      {}
+
+      double
+      operator()(const Stencils<dim> &,
+                 const PointArrays<dim> &,
+                 const ActiveGrid<dim> &) const override
+      {
+        return size;
+      }
+
+    private:
+      const double size;
+    };
+
+    template <int dim>
+    class NodalStep : public StepRule<dim>
+    {
+    public:
+      NodalStep(const double        factor_times_h,
+                const bool          is_normalised,
+                std::vector<double> modulus_of_body,
+                const FieldLayout  &layout)
+        : factor_times_h(factor_times_h)
+        , is_normalised(is_normalised)
+        , modulus_of_body(std::move(modulus_of_body))
+        , mass(layout["mass"])
+        , reference_volume(layout["reference_volume"])
+        , left_cauchy_green(layout["left_cauchy_green"])
+      {}
+
+      double
+      operator()(const Stencils<dim>    &stencils,
+                 const PointArrays<dim> &points,
+                 const ActiveGrid<dim>  &active) const override
+      {
+        // nodal sums of mass, volume, modulus and weight
+        std::array<std::vector<double>, 4> nodal;
+        for (auto &sum : nodal)
+          sum.resize(active.n_local_nodes());
+        std::vector<double> volume(points.n_points());
+        for (std::size_t p = 0; p < volume.size(); ++p)
+          volume[p] = points.component(reference_volume)[p] *
+                      std::sqrt(determinant_of_b(points, p));
+
+        for (const auto &group : stencils.groups)
+          for (unsigned int a = 0; a < group.n_nodes; ++a)
+          {
+            const double *S      = stencils.value(group, a);
+            const double *m      = points.component(mass) + group.first_point;
+            const double *V      = volume.data() + group.first_point;
+            const auto    node   = active.nodes(group)[a];
+            double        weight = 0.;
+            for (unsigned int p = 0; p < group.n_points; ++p)
+            {
+              nodal[0][node] += S[p] * m[p];
+              nodal[1][node] += S[p] * V[p];
+              weight += S[p];
+            }
+            nodal[2][node] += weight * modulus_of_body[group.body];
+            nodal[3][node] += weight;
+          }
+        for (auto &sum : nodal)
+          active.sum_over_ranks(sum);
+
+        double smallest = std::numeric_limits<double>::max();
+        for (unsigned int node = 0; node < active.n_owned_nodes(); ++node)
+          if (nodal[0][node] > 0.)
+            smallest =
+              std::min(smallest,
+                       nodal[0][node] / (nodal[1][node] * nodal[2][node]) *
+                         (is_normalised ? nodal[3][node] : 1.));
+        return factor_times_h *
+               std::sqrt(
+                 dealii::Utilities::MPI::min(smallest, active.communicator()));
+      }
+
+    private:
+      double
+      determinant_of_b(const PointArrays<dim> &points,
+                       const std::size_t       p) const
+      {
+        const auto b = points.template get<n_mandel<dim>>(left_cauchy_green, p);
+        return determinant(mandel::block<dim>(b)) * (dim == 2 ? b[3] : 1.);
+      }
+
+      const double              factor_times_h;
+      const bool                is_normalised;
+      const std::vector<double> modulus_of_body;
+      const unsigned int        mass, reference_volume, left_cauchy_green;
+    };
+  } // namespace
+
+  template <int dim>
+  std::unique_ptr<StepRule<dim>>
+  make_step_rule(const TimeParameters                     &parameters,
+                 const BackgroundGrid<dim>                &grid,
+                 const std::vector<const Material<dim> *> &material_of_body,
+                 const FieldLayout                        &layout)
+  {
+    parameters.validate();
+    if (parameters.step_rule == "fixed")
+      return std::make_unique<ConstantStep<dim>>(parameters.step_size);
+
+    const double        factor = parameters.factor * grid.smallest_cell_size();
+    std::vector<double> moduli;
+    double              smallest_ratio = std::numeric_limits<double>::max();
+    for (const auto *material : material_of_body)
+    {
+      moduli.push_back(material->p_wave_modulus());
+      smallest_ratio =
+        std::min(smallest_ratio,
+                 material->density() / material->p_wave_modulus());
+    }
+    if (parameters.step_rule == "wave")
+      return std::make_unique<ConstantStep<dim>>(factor *
+                                                 std::sqrt(smallest_ratio));
+    return std::make_unique<NodalStep<dim>>(
+      factor, parameters.step_rule == "normalised", moduli, layout);
+  }
+
+  template std::unique_ptr<StepRule<2>>
+  make_step_rule<2>(const TimeParameters &,
+                    const BackgroundGrid<2> &,
+                    const std::vector<const Material<2> *> &,
+                    const FieldLayout &);
+  template std::unique_ptr<StepRule<3>>
+  make_step_rule<3>(const TimeParameters &,
+                    const BackgroundGrid<3> &,
+                    const std::vector<const Material<3> *> &,
+                    const FieldLayout &);
+} // namespace emmy

@@ -1,0 +1,223 @@
+#include <emmy/assembly/inertia.h>
+#include <emmy/base/exceptions.h>
+#include <emmy/base/text.h>
+#include <emmy/step/stepper.h>
+
+namespace emmy
+{
+  template <int dim>
+  Stepper<dim>::Stepper(const BackgroundGrid<dim>     &grid,
+                        const BoundaryConditions<dim> &boundary_conditions,
+                        const FieldLayout             &layout,
+                        const ShapeFunctions<dim>     &shape_functions,
+                        const StepRule<dim>           &step_rule,
+                        const Balance<dim>            &balance,
+                        const SolverParameters        &solver_parameters,
+                        const TimeParameters          &time_parameters,
+                        dealii::Particles::ParticleHandler<dim> &particles,
+                        Phases                                  &phases)
+    : grid(grid)
+    , layout(layout)
+    , shape_functions(shape_functions)
+    , step_rule(step_rule)
+    , balance(balance)
+    , solver_parameters(solver_parameters)
+    , limits(time_parameters)
+    , particles(particles)
+    , phases(phases)
+    , particles_to_grid(grid, boundary_conditions, layout)
+  {}
+
+  template <int dim>
+  StepReport
+  Stepper<dim>::advance()
+  {
+    // particles -> grid
+    const Stencils<dim>    stencils = shape_functions.evaluate(particles, grid);
+    const PointArrays<dim> points   = gather(stencils, layout);
+    GridStart<dim>        &at_start = particles_to_grid(stencils, points);
+    at_start.velocity               = velocity_from_momentum(at_start);
+    start                           = &at_start;
+
+    // solve; until here and for as long as the step fails, particles keep
+    // their states
+    const Solution solution = solve(stencils, points);
+
+    // grid -> particles
+    const StepReport result = report(solution, points);
+    grid_to_particles(
+      stencils, solution.equation->trial(), layout, grid, particles);
+    velocity    = solution.velocity;
+    time        = result.time;
+    step_number = result.step;
+    return result;
+  }
+
+  template <int dim>
+  typename Stepper<dim>::Solution
+  Stepper<dim>::solve(const Stencils<dim>    &stencils,
+                      const PointArrays<dim> &points)
+  {
+    const std::string where = "Step " + std::to_string(step_number + 1) +
+                              " from t = " + shortest(time) + " s";
+    Solution solution;
+    solution.time_step = next_time_step(stencils, points);
+    for (unsigned int halvings = 0;; ++halvings, solution.time_step *= 0.5)
+    {
+      const StepData<dim> step{
+        stencils, points, *start, time, solution.time_step};
+      solution.equation     = balance.over(step);
+      solution.displacement = start->velocity;
+      solution.displacement *= step.time_step; // exact in free flight
+
+      solution.newton = Newton(solver_parameters, *linear_solver, phases)
+                          .solve(*solution.equation, solution.displacement);
+      if (solution.newton.is_converged)
+        break;
+      if (halvings == limits.maximum_halvings)
+        throw_together(
+          grid.communicator(),
+          where,
+          "Newton does not converge, with the step halved " +
+            std::to_string(halvings) + " times to " + shortest(step.time_step) +
+            " s: " + solution.newton.problem,
+          "the last accepted state was kept. Use a smaller Time/Factor or "
+          "Step size, more Points per direction, or a stiffer or finer "
+          "model; Time/Maximum halvings allows smaller steps.");
+      solution.notes.push_back(where + ": " + solution.newton.problem +
+                               "; halved to " + shortest(0.5 * step.time_step) +
+                               " s");
+    }
+
+    solution.velocity =
+      velocity_new(solution.displacement, start->velocity, solution.time_step);
+    Vector velocity_change = solution.velocity;
+    velocity_change -= start->velocity;
+    throw_together(grid.communicator(),
+                   where,
+                   move_points(stencils,
+                               *start->active,
+                               grid,
+                               layout,
+                               solution.displacement,
+                               velocity_change,
+                               solution.equation->trial()),
+                   "the step was not accepted. Enlarge the grid (Grid/Lower "
+                   "corner, Upper corner), end the run earlier (Time/End "
+                   "time), or fix that side (Boundary conditions).");
+    return solution;
+  }
+
+  template <int dim>
+  double
+  Stepper<dim>::next_time_step(const Stencils<dim>    &stencils,
+                               const PointArrays<dim> &points) const
+  {
+    const double dt        = step_rule(stencils, points, *start->active);
+    const double time_left = limits.end_time - time;
+    return limits.shorten_last_step && dt > time_left ? time_left : dt;
+  }
+
+  template <int dim>
+  Vector
+  Stepper<dim>::velocity_from_momentum(const GridStart<dim> &start)
+  {
+    const auto scope = phases.scope("velocity from momentum");
+    if (!linear_solver)
+      linear_solver =
+        make_linear_solver(solver_parameters, start.active->n_dofs(), dim);
+    Vector momentum = start.momentum;
+    start.active->constraints().set_zero(momentum);
+    Vector             velocity = start.active->make_vector();
+    const LinearResult result   = solve_to_round_off(*linear_solver,
+                                                   start.map_matrix(),
+                                                   velocity,
+                                                   momentum);
+    throw_together(grid.communicator(),
+                   "Step " + std::to_string(step_number + 1),
+                   result.is_solved ? ""
+                                    : "the velocity of the grid could not be "
+                                      "found: " +
+                                        result.problem,
+                   "use more Points per direction, or Solver/Linear solver = "
+                   "direct.");
+    start.active->constraints().set_zero(velocity);
+    return velocity;
+  }
+
+  template <int dim>
+  StepReport
+  Stepper<dim>::initial_report()
+  {
+    const Stencils<dim>    stencils = shape_functions.evaluate(particles, grid);
+    const PointArrays<dim> points   = gather(stencils, layout);
+    start                           = &particles_to_grid(stencils, points);
+
+    StepReport result;
+    result.time_step = next_time_step(stencils, points);
+    result.totals    = measure(points, layout, grid.communicator());
+    result.energies  = balance.energy_entries();
+    result.active_cells =
+      dealii::Utilities::MPI::sum(static_cast<std::uint64_t>(
+                                    start->active->cells().size()),
+                                  grid.communicator());
+    result.active_dofs = start->active->n_dofs();
+    return result;
+  }
+
+  template <int dim>
+  StepReport
+  Stepper<dim>::report(const Solution         &solution,
+                       const PointArrays<dim> &points) const
+  {
+    StepReport result;
+    result.step      = step_number + 1;
+    result.time_step = solution.time_step;
+    result.time      = time + solution.time_step;
+    result.totals =
+      measure(solution.equation->trial(), layout, grid.communicator());
+    result.kinetic_energy_change =
+      result.totals.kinetic_energy -
+      measure(points, layout, grid.communicator()).kinetic_energy;
+    result.kinetic_energy_grid_old =
+      0.5 * start->mass.matrix_norm_square(start->velocity);
+    result.kinetic_energy_grid_new =
+      0.5 * start->mass.matrix_norm_square(solution.velocity);
+    result.energies = solution.equation->energies(solution.displacement);
+    result.residual_work =
+      solution.equation->residual() * solution.displacement;
+    result.newton_iterations = solution.newton.iterations;
+    result.linear_iterations = solution.newton.linear_iterations;
+    result.active_cells =
+      dealii::Utilities::MPI::sum(static_cast<std::uint64_t>(
+                                    start->active->cells().size()),
+                                  grid.communicator());
+    result.active_dofs = start->active->n_dofs();
+    result.notes       = solution.notes;
+    return result;
+  }
+
+  template <int dim>
+  std::string
+  Stepper<dim>::solver_name() const
+  {
+    return linear_solver ? linear_solver->name() : "none yet";
+  }
+
+  template <int dim>
+  const GridStart<dim> &
+  Stepper<dim>::grid_start() const
+  {
+    return *start;
+  }
+
+  template <int dim>
+  const Vector &
+  Stepper<dim>::grid_velocity() const
+  {
+    return velocity;
+  }
+
+  template class Stepper<2>;
+  template class Stepper<3>;
+} // namespace emmy

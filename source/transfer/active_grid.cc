@@ -1,0 +1,231 @@
+#include <deal.II/lac/la_parallel_vector.h>
+
+#include <emmy/base/collective.h>
+#include <emmy/transfer/active_grid.h>
+
+#include <algorithm>
+
+namespace emmy
+{
+  namespace
+  {
+    using dealii::types::global_dof_index;
+
+    /** Values over owned and known entries that can be exchanged. */
+    using Exchange = dealii::LinearAlgebra::distributed::Vector<double>;
+
+    dealii::IndexSet
+    range(const global_dof_index begin,
+          const global_dof_index end,
+          const global_dof_index size)
+    {
+      dealii::IndexSet result(size);
+      result.add_range(begin, end);
+      result.compress();
+      return result;
+    }
+  } // namespace
+
+  template <int dim>
+  ActiveGrid<dim>::ActiveGrid(
+    const Stencils<dim>           &stencils,
+    const BackgroundGrid<dim>     &grid,
+    const BoundaryConditions<dim> &boundary_conditions)
+    : grid(grid)
+    , active_cells(stencils.active_cells)
+    , group_node_ids(stencils.node_ids)
+  {
+    number_nodes(stencils);
+    make_constraints(boundary_conditions);
+    make_sparsity(stencils);
+  }
+
+  template <int dim>
+  bool
+  ActiveGrid<dim>::fits(const Stencils<dim> &stencils) const
+  {
+    return dealii::Utilities::MPI::min(stencils.node_ids == group_node_ids ? 1
+                                                                           : 0,
+                                       communicator()) == 1;
+  }
+
+  template <int dim>
+  MPI_Comm
+  ActiveGrid<dim>::communicator() const
+  {
+    return grid.communicator();
+  }
+
+  template <int dim>
+  unsigned int
+  ActiveGrid<dim>::local_index(const global_dof_index grid_id) const
+  {
+    return std::lower_bound(local_index_of.begin(),
+                            local_index_of.end(),
+                            std::make_pair(grid_id, 0u))
+      ->second;
+  }
+
+  template <int dim>
+  void
+  ActiveGrid<dim>::number_nodes(const Stencils<dim> &stencils)
+  {
+    // a node is active if any rank has a particle that reaches it
+    Exchange active(grid.nodes());
+    for (const global_dof_index id : stencils.node_ids)
+      active(id) = 1.;
+    active.compress(dealii::VectorOperation::add);
+
+    std::vector<global_dof_index> owned_ids;
+    for (unsigned int i = 0; i < active.locally_owned_size(); ++i)
+      if (active.local_element(i) > 0.)
+        owned_ids.push_back(grid.nodes()->local_to_global(i));
+
+    const auto [first, n_nodes] =
+      sum_below_and_total(owned_ids.size(), communicator());
+
+    // numbers of the nodes that others own (exact in double up to 2^53)
+    Exchange number(grid.nodes());
+    for (unsigned int i = 0; i < owned_ids.size(); ++i)
+      number(owned_ids[i]) = first + i;
+    number.update_ghost_values();
+
+    std::vector<std::pair<global_dof_index, global_dof_index>> ghosts;
+    for (const global_dof_index id : stencils.node_ids)
+      if (!grid.nodes()->in_local_range(id))
+        ghosts.emplace_back(static_cast<global_dof_index>(number(id)), id);
+    std::sort(ghosts.begin(), ghosts.end());
+    ghosts.erase(std::unique(ghosts.begin(), ghosts.end()), ghosts.end());
+
+    std::vector<global_dof_index> ids = owned_ids;
+    for (unsigned int i = 0; i < owned_ids.size(); ++i)
+      node_numbers.push_back(first + i);
+    for (const auto &[ghost_number, id] : ghosts)
+    {
+      ids.push_back(id);
+      node_numbers.push_back(ghost_number);
+    }
+    for (unsigned int i = 0; i < ids.size(); ++i)
+    {
+      node_positions.push_back(grid.node_position(ids[i]));
+      local_index_of.emplace_back(ids[i], i);
+    }
+    std::sort(local_index_of.begin(), local_index_of.end());
+
+    group_nodes.reserve(stencils.node_ids.size());
+    for (const global_dof_index id : stencils.node_ids)
+      group_nodes.push_back(local_index(id));
+    for (const auto &cell : active_cells)
+    {
+      const auto cell_ids = grid.node_ids(cell);
+      nodes_of_cell.emplace_back();
+      for (unsigned int v = 0; v < cell_ids.size(); ++v)
+        nodes_of_cell.back()[v] = local_index(cell_ids[v]);
+    }
+
+    const global_dof_index end = first + owned_ids.size();
+    dealii::IndexSet       ghost_nodes(n_nodes), ghost_dofs(dim * n_nodes);
+    for (const auto &[ghost_number, id] : ghosts)
+    {
+      (void)id;
+      ghost_nodes.add_index(ghost_number);
+      ghost_dofs.add_range(dim * ghost_number, dim * (ghost_number + 1));
+    }
+    ghost_nodes.compress();
+    ghost_dofs.compress();
+    owned_dofs = range(dim * first, dim * end, dim * n_nodes);
+    known_dofs = owned_dofs;
+    known_dofs.add_indices(ghost_dofs);
+    node_partition = std::make_shared<dealii::Utilities::MPI::Partitioner>(
+      range(first, end, n_nodes), ghost_nodes, communicator());
+    dof_partition =
+      std::make_shared<dealii::Utilities::MPI::Partitioner>(owned_dofs,
+                                                            ghost_dofs,
+                                                            communicator());
+  }
+
+  template <int dim>
+  void
+  ActiveGrid<dim>::make_constraints(
+    const BoundaryConditions<dim> &boundary_conditions)
+  {
+    essential.reinit(known_dofs);
+    for (unsigned int node = 0; node < n_local_nodes(); ++node)
+    {
+      const auto fixed =
+        boundary_conditions.fixed_components(node_positions[node]);
+      for (unsigned int c = 0; c < dim; ++c)
+        if (fixed[c])
+          essential.add_line(first_dof(node) + c);
+    }
+    essential.close();
+  }
+
+  template <int dim>
+  void
+  ActiveGrid<dim>::make_sparsity(const Stencils<dim> &stencils)
+  {
+    const unsigned int longest_row = dim * dealii::Utilities::pow(3, dim);
+    pattern.reinit(
+      owned_dofs, owned_dofs, known_dofs, communicator(), longest_row);
+    std::vector<global_dof_index> dofs;
+    for (const auto &group : stencils.groups)
+    {
+      dofs.clear();
+      for (unsigned int a = 0; a < group.n_nodes; ++a)
+        for (unsigned int c = 0; c < dim; ++c)
+          dofs.push_back(first_dof(nodes(group)[a]) + c);
+      for (const auto row : dofs)
+        pattern.add_entries(row, dofs.begin(), dofs.end());
+    }
+    pattern.compress();
+  }
+
+  template <int dim>
+  Vector
+  ActiveGrid<dim>::make_vector() const
+  {
+    return Vector(owned_dofs, communicator());
+  }
+
+  template <int dim>
+  std::vector<double>
+  ActiveGrid<dim>::to_local(const Vector &vector) const
+  {
+    Exchange values(dof_partition);
+    std::copy(vector.begin(), vector.end(), values.begin());
+    values.update_ghost_values();
+    std::vector<double> local(dim * n_local_nodes());
+    for (unsigned int i = 0; i < local.size(); ++i)
+      local[i] = values.local_element(i);
+    return local;
+  }
+
+  template <int dim>
+  void
+  ActiveGrid<dim>::add(const std::vector<double> &local, Vector &vector) const
+  {
+    Exchange values(dof_partition);
+    for (unsigned int i = 0; i < local.size(); ++i)
+      values.local_element(i) = local[i];
+    values.compress(dealii::VectorOperation::add);
+    auto target = vector.begin();
+    for (unsigned int i = 0; i < values.locally_owned_size(); ++i, ++target)
+      *target += values.local_element(i);
+  }
+
+  template <int dim>
+  void
+  ActiveGrid<dim>::sum_over_ranks(std::vector<double> &local) const
+  {
+    Exchange values(node_partition);
+    for (unsigned int i = 0; i < local.size(); ++i)
+      values.local_element(i) = local[i];
+    values.compress(dealii::VectorOperation::add);
+    for (unsigned int i = 0; i < values.locally_owned_size(); ++i)
+      local[i] = values.local_element(i);
+  }
+
+  template class ActiveGrid<2>;
+  template class ActiveGrid<3>;
+} // namespace emmy

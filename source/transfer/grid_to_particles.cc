@@ -1,0 +1,128 @@
+#include <deal.II/grid/filtered_iterator.h>
+#include <deal.II/grid/grid_tools.h>
+
+#include <emmy/base/exceptions.h>
+#include <emmy/transfer/grid_to_particles.h>
+
+namespace emmy
+{
+  template <int dim>
+  std::string
+  move_points(const Stencils<dim>       &stencils,
+              const ActiveGrid<dim>     &active,
+              const BackgroundGrid<dim> &grid,
+              const FieldLayout         &layout,
+              const Vector              &displacement,
+              const Vector              &velocity_change,
+              PointArrays<dim>          &trial)
+  {
+    const std::vector<double> u        = active.to_local(displacement);
+    const std::vector<double> dv       = active.to_local(velocity_change);
+    const unsigned int        velocity = layout["velocity"];
+
+    for (const auto &group : stencils.groups)
+      for (unsigned int c = 0; c < dim; ++c)
+      {
+        // start from t: the trial states may have been moved before
+        const unsigned int *nodes = active.nodes(group);
+        double             *x     = trial.position(c) + group.first_point;
+        double *v = trial.component(velocity + c) + group.first_point;
+        for (unsigned int p = 0; p < group.n_points; ++p)
+        {
+          const auto &particle = *stencils.particles[group.first_point + p];
+          x[p]                 = particle.get_location()[c];
+          v[p]                 = particle.get_properties()[velocity + c];
+        }
+        for (unsigned int a = 0; a < group.n_nodes; ++a)
+        {
+          const double *S       = stencils.value(group, a);
+          const double  node_u  = u[dim * nodes[a] + c];
+          const double  node_dv = dv[dim * nodes[a] + c];
+          for (unsigned int p = 0; p < group.n_points; ++p)
+          {
+            x[p] += S[p] * node_u;
+            v[p] += S[p] * node_dv;
+          }
+        }
+      }
+    for (std::size_t p = 0; p < trial.n_points(); ++p)
+      if (!grid.contains(trial.point(p)))
+        return "particle " + std::to_string(stencils.particles[p]->get_id()) +
+               " at (" +
+               dealii::Patterns::Tools::to_string(
+                 stencils.particles[p]->get_location()) +
+               ") m would leave the grid, to (" +
+               dealii::Patterns::Tools::to_string(trial.point(p)) + ") m";
+    return "";
+  }
+
+  template <int dim>
+  void
+  grid_to_particles(const Stencils<dim>                     &stencils,
+                    const PointArrays<dim>                  &accepted,
+                    const FieldLayout                       &layout,
+                    const BackgroundGrid<dim>               &grid,
+                    dealii::Particles::ParticleHandler<dim> &particles)
+  {
+    for (std::size_t p = 0; p < accepted.n_points(); ++p)
+    {
+      auto       particle   = stencils.particles[p];
+      const auto properties = particle->get_properties();
+      for (unsigned int c = 0; c < layout.n_components(); ++c)
+        properties[c] = accepted.component(c)[p];
+      particle->set_location(accepted.point(p));
+    }
+
+    // deal.II looks for a particle's new cell on the owned and ghost cells.
+    // One that went farther is caught here and handed to its rank.
+    const auto n_before = particles.n_global_particles();
+    std::vector<dealii::Particles::Particle<dim>> travellers;
+    const auto connection = particles.signals.particle_lost.connect(
+      [&travellers](const auto &particle, const auto &) {
+        travellers.push_back(
+          dealii::Particles::Particle<dim>(particle->get_location(),
+                                           particle->get_reference_location(),
+                                           particle->get_id()));
+        travellers.back().set_properties(particle->get_properties());
+      });
+    particles.sort_particles_into_subdomains_and_cells();
+    connection.disconnect();
+
+    if (dealii::Utilities::MPI::max(travellers.size(), grid.communicator()) > 0)
+    {
+      const auto owned = dealii::GridTools::compute_mesh_predicate_bounding_box(
+        grid.triangulation(), dealii::IteratorFilters::LocallyOwnedCell());
+      particles.insert_global_particles(
+        travellers,
+        dealii::Utilities::MPI::all_gather(grid.communicator(), owned));
+    }
+    throw_together(grid.communicator(),
+                   "Moving particles to their cells",
+                   particles.n_global_particles() == n_before
+                     ? ""
+                     : std::to_string(n_before -
+                                      particles.n_global_particles()) +
+                         " particles of " + std::to_string(n_before) +
+                         " found no cell",
+                   "this should not happen; please report it with the "
+                   "parameter file.");
+  }
+
+#define INSTANTIATE(dim)                                             \
+  template std::string move_points<dim>(const Stencils<dim> &,       \
+                                        const ActiveGrid<dim> &,     \
+                                        const BackgroundGrid<dim> &, \
+                                        const FieldLayout &,         \
+                                        const Vector &,              \
+                                        const Vector &,              \
+                                        PointArrays<dim> &);         \
+  template void        grid_to_particles<dim>(                       \
+    const Stencils<dim> &,                                    \
+    const PointArrays<dim> &,                                 \
+    const FieldLayout &,                                      \
+    const BackgroundGrid<dim> &,                              \
+    dealii::Particles::ParticleHandler<dim> &);
+  INSTANTIATE(2)
+  INSTANTIATE(3)
+#undef INSTANTIATE
+} // namespace emmy
