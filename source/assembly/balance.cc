@@ -42,12 +42,12 @@ namespace emmy
   {
     tangent.reinit(step.start.active->sparsity());
     if (!balance.effects.loads.empty())
-    {
-      std::vector<double> local(dim * step.start.active->n_local_nodes());
-      for (const auto &load : balance.effects.loads)
-        load->add(step, local);
-      step.start.active->add(local, external_force);
-    }
+      {
+        std::vector<double> local(dim * step.start.active->n_local_nodes());
+        for (const auto &load : balance.effects.loads)
+          load->add(step, local);
+        step.start.active->add(local, external_force);
+      }
   }
 
   template <int dim>
@@ -67,18 +67,18 @@ namespace emmy
       tangent = 0.;
     Vector force = active.make_vector();
     for (const auto &term : balance.effects.terms)
-    {
-      force = 0.;
-      const std::string problem =
-        term->add(step, iterate, force, with_jacobian ? &tangent : nullptr);
-      if (found.empty())
-        found = problem;
-      if (dealii::Utilities::MPI::max(found.empty() ? 0 : 1,
-                                      active.communicator()) == 1)
-        return false;
-      full_residual += force;
-      force_scale = std::max(force_scale, force.l2_norm());
-    }
+      {
+        force = 0.;
+        const std::string problem =
+          term->add(step, iterate, force, with_jacobian ? &tangent : nullptr);
+        if (found.empty())
+          found = problem;
+        if (dealii::Utilities::MPI::max(found.empty() ? 0 : 1,
+                                        active.communicator()) == 1)
+          return false;
+        full_residual += force;
+        force_scale = std::max(force_scale, force.l2_norm());
+      }
     if (with_jacobian)
       tangent.compress(dealii::VectorOperation::add);
 
@@ -150,12 +150,12 @@ namespace emmy
     std::vector<EnergyEntry> entries;
     for (const auto &term : balance.effects.terms)
       for (auto entry : term->energies(step, solution, trial_states))
-      {
-        entry.change =
-          dealii::Utilities::MPI::sum(entry.change,
-                                      step.start.active->communicator());
-        entries.push_back(entry);
-      }
+        {
+          entry.change =
+            dealii::Utilities::MPI::sum(entry.change,
+                                        step.start.active->communicator());
+          entries.push_back(entry);
+        }
     if (!balance.effects.loads.empty())
       entries.push_back(
         {"load_work", EnergyEntry::Kind::work, external_force * solution});

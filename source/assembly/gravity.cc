@@ -50,15 +50,15 @@ namespace emmy
     const double *mass = step.points.component(mass_component);
     for (const auto &group : step.stencils.groups)
       for (unsigned int a = 0; a < group.n_nodes; ++a)
-      {
-        const double *S          = step.stencils.value(group, a);
-        double        nodal_mass = 0.;
-        for (unsigned int p = 0; p < group.n_points; ++p)
-          nodal_mass += S[p] * mass[group.first_point + p];
-        const unsigned int node = step.start.active->nodes(group)[a];
-        for (unsigned int c = 0; c < dim; ++c)
-          local_force[dim * node + c] += nodal_mass * acceleration[c];
-      }
+        {
+          const double *S          = step.stencils.value(group, a);
+          double        nodal_mass = 0.;
+          for (unsigned int p = 0; p < group.n_points; ++p)
+            nodal_mass += S[p] * mass[group.first_point + p];
+          const unsigned int node = step.start.active->nodes(group)[a];
+          for (unsigned int c = 0; c < dim; ++c)
+            local_force[dim * node + c] += nodal_mass * acceleration[c];
+        }
   }
 
   template class GravityParameters<2>;

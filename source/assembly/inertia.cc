@@ -26,7 +26,7 @@ namespace emmy
     step.start.mass.vmult(inertia, acceleration);
     force += inertia;
     if (jacobian)
-      jacobian->add(2. / (dt * dt), step.start.map_matrix());
+      jacobian->add(2. / (dt * dt), step.start.damped_mass);
     return "";
   }
 

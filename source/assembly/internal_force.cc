@@ -31,16 +31,16 @@ namespace emmy
       for (unsigned int q = 0; q < batch.n_points; ++q)
         batch.displacement_gradient[q] = 0.;
       for (unsigned int a = 0; a < group.n_nodes; ++a)
-      {
-        const double *u = displacement + dim * nodes[a];
-        for (unsigned int j = 0; j < dim; ++j)
         {
-          const double *slope = stencils.gradient(group, a, j) + first;
-          for (unsigned int q = 0; q < batch.n_points; ++q)
-            for (unsigned int i = 0; i < dim; ++i)
-              batch.displacement_gradient[q][i][j] += u[i] * slope[q];
+          const double *u = displacement + dim * nodes[a];
+          for (unsigned int j = 0; j < dim; ++j)
+            {
+              const double *slope = stencils.gradient(group, a, j) + first;
+              for (unsigned int q = 0; q < batch.n_points; ++q)
+                for (unsigned int i = 0; i < dim; ++i)
+                  batch.displacement_gradient[q][i][j] += u[i] * slope[q];
+            }
         }
-      }
     }
 
     /** Add V0 P grad S of a batch to the forces of the group's nodes. */
@@ -55,18 +55,19 @@ namespace emmy
                std::vector<double>                 &force)
     {
       for (unsigned int a = 0; a < group.n_nodes; ++a)
-      {
-        dealii::Tensor<1, dim> sum;
-        for (unsigned int j = 0; j < dim; ++j)
         {
-          const double *slope = stencils.gradient(group, a, j) + first;
-          for (unsigned int q = 0; q < batch.n_points; ++q)
-            for (unsigned int i = 0; i < dim; ++i)
-              sum[i] += volume[q] * batch.nominal_stress[q][i][j] * slope[q];
+          dealii::Tensor<1, dim> sum;
+          for (unsigned int j = 0; j < dim; ++j)
+            {
+              const double *slope = stencils.gradient(group, a, j) + first;
+              for (unsigned int q = 0; q < batch.n_points; ++q)
+                for (unsigned int i = 0; i < dim; ++i)
+                  sum[i] +=
+                    volume[q] * batch.nominal_stress[q][i][j] * slope[q];
+            }
+          for (unsigned int i = 0; i < dim; ++i)
+            force[dim * nodes[a] + i] += sum[i];
         }
-        for (unsigned int i = 0; i < dim; ++i)
-          force[dim * nodes[a] + i] += sum[i];
-      }
     }
 
     /** Add V0 grad S_a . dP/dH . grad S_b of a batch to the group's matrix. */
@@ -82,35 +83,36 @@ namespace emmy
       const unsigned int  n = group.n_nodes, n_columns = dim * n;
       std::vector<double> half(dim * dim * n_columns);
       for (unsigned int q = 0; q < batch.n_points; ++q)
-      {
-        // half_(iJ)(bm) = V0 sum_L (dP_iJ/dH_mL) dS_b/dx_L
-        for (unsigned int b = 0; b < n; ++b)
         {
-          dealii::Tensor<1, dim> slope;
-          for (unsigned int L = 0; L < dim; ++L)
-            slope[L] = volume[q] * stencils.gradient(group, b, L)[first + q];
-          for (unsigned int iJ = 0; iJ < dim * dim; ++iJ)
-            for (unsigned int m = 0; m < dim; ++m)
+          // half_(iJ)(bm) = V0 sum_L (dP_iJ/dH_mL) dS_b/dx_L
+          for (unsigned int b = 0; b < n; ++b)
             {
-              double sum = 0.;
+              dealii::Tensor<1, dim> slope;
               for (unsigned int L = 0; L < dim; ++L)
-                sum += batch.tangent[q][iJ][m * dim + L] * slope[L];
-              half[iJ * n_columns + b * dim + m] = sum;
+                slope[L] =
+                  volume[q] * stencils.gradient(group, b, L)[first + q];
+              for (unsigned int iJ = 0; iJ < dim * dim; ++iJ)
+                for (unsigned int m = 0; m < dim; ++m)
+                  {
+                    double sum = 0.;
+                    for (unsigned int L = 0; L < dim; ++L)
+                      sum += batch.tangent[q][iJ][m * dim + L] * slope[L];
+                    half[iJ * n_columns + b * dim + m] = sum;
+                  }
             }
+          for (unsigned int a = 0; a < n; ++a)
+            for (unsigned int J = 0; J < dim; ++J)
+              {
+                const double slope = stencils.gradient(group, a, J)[first + q];
+                for (unsigned int i = 0; i < dim; ++i)
+                  {
+                    double       *row    = &stiffness(dim * a + i, 0);
+                    const double *factor = &half[(i * dim + J) * n_columns];
+                    for (unsigned int c = 0; c < n_columns; ++c)
+                      row[c] += slope * factor[c];
+                  }
+              }
         }
-        for (unsigned int a = 0; a < n; ++a)
-          for (unsigned int J = 0; J < dim; ++J)
-          {
-            const double slope = stencils.gradient(group, a, J)[first + q];
-            for (unsigned int i = 0; i < dim; ++i)
-            {
-              double       *row    = &stiffness(dim * a + i, 0);
-              const double *factor = &half[(i * dim + J) * n_columns];
-              for (unsigned int c = 0; c < n_columns; ++c)
-                row[c] += slope * factor[c];
-            }
-          }
-      }
     }
   } // namespace
 
@@ -153,77 +155,87 @@ namespace emmy
     std::vector<dealii::types::global_dof_index> dofs;
 
     for (const auto &group : step.stencils.groups)
-    {
-      const unsigned int *nodes = active.nodes(group);
-      if (jacobian)
-        stiffness.reinit(dim * group.n_nodes, dim * group.n_nodes);
-
-      for (unsigned int first = 0; first < group.n_points;
-           first += max_batch_points)
       {
-        const std::size_t point = group.first_point + first;
-        batch->n_points = std::min(max_batch_points, group.n_points - first);
-        displacement_gradients(step.stencils,
-                               group,
-                               first,
-                               iterate.local_displacement.data(),
-                               nodes,
-                               *batch);
-        for (unsigned int q = 0; q < batch->n_points; ++q)
-        {
-          batch->left_cauchy_green_old[q] =
-            step.points.template get<n_tensor>(left_cauchy_green, point + q);
-          batch->kirchhoff_stress_old[q] =
-            step.points.template get<n_tensor>(kirchhoff_stress, point + q);
-          batch->stored_energy_old[q] =
-            step.points.component(strain_energy_density)[point + q];
-        }
-
-        const unsigned int inverted =
-          conserving_stress(*material_of_body[group.body], *batch);
-        if (inverted < batch->n_points)
-        {
-          const auto &particle = *step.stencils.particles[point + inverted];
-          return "particle " + std::to_string(particle.get_id()) + " at (" +
-                 dealii::Patterns::Tools::to_string(particle.get_location()) +
-                 ") m is turned inside out (det of the step's "
-                 "deformation gradient is not positive)";
-        }
-
-        for (unsigned int q = 0; q < batch->n_points; ++q)
-        {
-          iterate.trial.set(left_cauchy_green,
-                            point + q,
-                            batch->material.left_cauchy_green[q]);
-          iterate.trial.set(kirchhoff_stress,
-                            point + q,
-                            batch->material.kirchhoff_stress[q]);
-          iterate.trial.component(strain_energy_density)[point + q] =
-            batch->material.stored_energy[q];
-        }
-        add_forces(step.stencils,
-                   group,
-                   first,
-                   volumes + point,
-                   nodes,
-                   *batch,
-                   nodal_force);
+        const unsigned int *nodes = active.nodes(group);
         if (jacobian)
-          add_stiffness(
-            step.stencils, group, first, volumes + point, *batch, stiffness);
-      }
+          stiffness.reinit(dim * group.n_nodes, dim * group.n_nodes);
 
-      if (jacobian)
-      {
-        dofs.clear();
-        for (unsigned int a = 0; a < group.n_nodes; ++a)
-          for (unsigned int c = 0; c < dim; ++c)
-            dofs.push_back(active.first_dof(nodes[a]) + c);
-        active.constraints().distribute_local_to_global(stiffness,
-                                                        dofs,
-                                                        *jacobian);
+        for (unsigned int first = 0; first < group.n_points;
+             first += max_batch_points)
+          {
+            const std::size_t point = group.first_point + first;
+            batch->n_points =
+              std::min(max_batch_points, group.n_points - first);
+            displacement_gradients(step.stencils,
+                                   group,
+                                   first,
+                                   iterate.local_displacement.data(),
+                                   nodes,
+                                   *batch);
+            for (unsigned int q = 0; q < batch->n_points; ++q)
+              {
+                batch->left_cauchy_green_old[q] =
+                  step.points.template get<n_tensor>(left_cauchy_green,
+                                                     point + q);
+                batch->kirchhoff_stress_old[q] =
+                  step.points.template get<n_tensor>(kirchhoff_stress,
+                                                     point + q);
+                batch->stored_energy_old[q] =
+                  step.points.component(strain_energy_density)[point + q];
+              }
+
+            const unsigned int inverted =
+              conserving_stress(*material_of_body[group.body], *batch);
+            if (inverted < batch->n_points)
+              {
+                const auto &particle =
+                  *step.stencils.particles[point + inverted];
+                return "particle " + std::to_string(particle.get_id()) +
+                       " at (" +
+                       dealii::Patterns::Tools::to_string(
+                         particle.get_location()) +
+                       ") m is turned inside out (det of the step's "
+                       "deformation gradient is not positive)";
+              }
+
+            for (unsigned int q = 0; q < batch->n_points; ++q)
+              {
+                iterate.trial.set(left_cauchy_green,
+                                  point + q,
+                                  batch->material.left_cauchy_green[q]);
+                iterate.trial.set(kirchhoff_stress,
+                                  point + q,
+                                  batch->material.kirchhoff_stress[q]);
+                iterate.trial.component(strain_energy_density)[point + q] =
+                  batch->material.stored_energy[q];
+              }
+            add_forces(step.stencils,
+                       group,
+                       first,
+                       volumes + point,
+                       nodes,
+                       *batch,
+                       nodal_force);
+            if (jacobian)
+              add_stiffness(step.stencils,
+                            group,
+                            first,
+                            volumes + point,
+                            *batch,
+                            stiffness);
+          }
+
+        if (jacobian)
+          {
+            dofs.clear();
+            for (unsigned int a = 0; a < group.n_nodes; ++a)
+              for (unsigned int c = 0; c < dim; ++c)
+                dofs.push_back(active.first_dof(nodes[a]) + c);
+            active.constraints().distribute_local_to_global(stiffness,
+                                                            dofs,
+                                                            *jacobian);
+          }
       }
-    }
     active.add(nodal_force, force);
     return "";
   }

@@ -22,10 +22,10 @@ namespace emmy
       std::string result;
       for (std::size_t i = 0; i < name.size(); ++i)
         if (name[i] == '_')
-        {
-          result += char(std::stoi(name.substr(i + 1, 2), nullptr, 16));
-          i += 2;
-        }
+          {
+            result += char(std::stoi(name.substr(i + 1, 2), nullptr, 16));
+            i += 2;
+          }
         else
           result += name[i];
       return result;
@@ -51,39 +51,39 @@ namespace emmy
                               const Path                        &home)
   {
     for (const auto &mangled_and_node : tree)
-    {
-      const std::string name = demangle(mangled_and_node.first);
-      const auto       &node = mangled_and_node.second;
-      const auto        text = [&node](const std::string &field) {
-        return node.get<std::string>(field, "");
-      };
-      // What describes an entry are leaves; what a section holds is not.
-      const auto has_leaf = [&node](const std::string &field) {
-        const auto child = node.find(field);
-        return child != node.not_found() && child->second.empty();
-      };
+      {
+        const std::string name = demangle(mangled_and_node.first);
+        const auto       &node = mangled_and_node.second;
+        const auto        text = [&node](const std::string &field) {
+          return node.get<std::string>(field, "");
+        };
+        // What describes an entry are leaves; what a section holds is not.
+        const auto has_leaf = [&node](const std::string &field) {
+          const auto child = node.find(field);
+          return child != node.not_found() && child->second.empty();
+        };
 
-      if (has_leaf("value"))
-        declarations.push_back({home,
-                                name,
-                                Kind::entry,
-                                text("pattern_description"),
-                                text("documentation")});
-      else if (has_leaf("alias"))
-      {
-        Declaration alias = *find(home, text("alias"), false);
-        alias.name        = name;
-        alias.kind        = Kind::alias;
-        declarations.push_back(alias);
+        if (has_leaf("value"))
+          declarations.push_back({home,
+                                  name,
+                                  Kind::entry,
+                                  text("pattern_description"),
+                                  text("documentation")});
+        else if (has_leaf("alias"))
+          {
+            Declaration alias = *find(home, text("alias"), false);
+            alias.name        = name;
+            alias.kind        = Kind::alias;
+            declarations.push_back(alias);
+          }
+        else
+          {
+            declarations.push_back({home, name, Kind::section, "", ""});
+            Path section = home;
+            section.push_back(name);
+            collect(node, section);
+          }
       }
-      else
-      {
-        declarations.push_back({home, name, Kind::section, "", ""});
-        Path section = home;
-        section.push_back(name);
-        collect(node, section);
-      }
-    }
   }
 
 
@@ -117,19 +117,19 @@ namespace emmy
     std::vector<std::string> known, homes;
     for (const Declaration &one : declarations)
       if (one.kind == (is_section ? Kind::section : Kind::entry))
-      {
-        if (one.home == home)
-          known.push_back(one.name);
-        if (one.name == name)
-          homes.push_back(one.home.empty()
-                            ? "the top level"
-                            : "section <" + join(one.home, "/") + ">");
-      }
+        {
+          if (one.home == home)
+            known.push_back(one.name);
+          if (one.name == name)
+            homes.push_back(one.home.empty()
+                              ? "the top level"
+                              : "section <" + join(one.home, "/") + ">");
+        }
     if (homes.size() > 3) // many bodies declare the same names
-    {
-      homes.resize(3);
-      homes.push_back("...");
-    }
+      {
+        homes.resize(3);
+        homes.push_back("...");
+      }
 
     const std::string nearest = nearest_name(name, known);
     return (!homes.empty()     ? "it belongs to " + join(homes, " or ") + ". "
@@ -156,30 +156,30 @@ namespace emmy
 
     std::smatch part;
     if (std::regex_match(pattern, part, number))
-    {
-      const bool is_double = part[1] == "Double";
-      const bool is_bounded_below =
-        part[2] != (is_double ? "-MAX_DOUBLE" : "-2147483648");
-      const bool is_bounded_above =
-        part[3] != (is_double ? "MAX_DOUBLE" : "2147483647");
-      return std::string(is_double ? "a number" : "a whole number") +
-             (is_bounded_below ? ", at least " + part[2].str() : "") +
-             (is_bounded_above ? ", at most " + part[3].str() : "");
-    }
+      {
+        const bool is_double = part[1] == "Double";
+        const bool is_bounded_below =
+          part[2] != (is_double ? "-MAX_DOUBLE" : "-2147483648");
+        const bool is_bounded_above =
+          part[3] != (is_double ? "MAX_DOUBLE" : "2147483647");
+        return std::string(is_double ? "a number" : "a whole number") +
+               (is_bounded_below ? ", at least " + part[2].str() : "") +
+               (is_bounded_above ? ", at most " + part[3].str() : "");
+      }
     if (std::regex_match(pattern, part, selection))
       return (part[1].matched ? "some of " : "one of ") +
              join(dealii::Utilities::split_string_list(part[2], '|'));
     if (std::regex_match(pattern, part, list))
-    {
-      const std::string from = part[2], to = part[3], separator = part[4];
-      return "a list of " +
-             (from == to         ? from
-              : to != max_length ? from + " to " + to
-              : from == "0"      ? "any number of"
-                                 : "at least " + from) +
-             " items separated by <" + (separator.empty() ? "," : separator) +
-             ">, each " + in_words(part[1]);
-    }
+      {
+        const std::string from = part[2], to = part[3], separator = part[4];
+        return "a list of " +
+               (from == to         ? from
+                : to != max_length ? from + " to " + to
+                : from == "0"      ? "any number of"
+                                   : "at least " + from) +
+               " items separated by <" + (separator.empty() ? "," : separator) +
+               ">, each " + in_words(part[1]);
+      }
     return pattern == "[Bool]"                             ? "true or false"
            : pattern == "[Double]"                         ? "a number"
            : pattern == "[Integer]"                        ? "a whole number"

@@ -43,22 +43,22 @@ namespace emmy
       Line         joined{0, ""};
       unsigned int number = 0;
       for (std::string part; std::getline(input, part);)
-      {
-        ++number;
-        if (number == 1 && part.compare(0, 3, "\xef\xbb\xbf") == 0)
-          part.erase(0, 3); // the byte order mark of some editors
-        if (joined.number == 0)
-          joined.number = number;
-        part = trim(part);
-
-        const bool continues = !part.empty() && part.back() == '\\';
-        joined.text += part.substr(0, part.size() - (continues ? 1 : 0));
-        if (!continues)
         {
-          finish(joined);
-          joined = {0, ""};
+          ++number;
+          if (number == 1 && part.compare(0, 3, "\xef\xbb\xbf") == 0)
+            part.erase(0, 3); // the byte order mark of some editors
+          if (joined.number == 0)
+            joined.number = number;
+          part = trim(part);
+
+          const bool continues = !part.empty() && part.back() == '\\';
+          joined.text += part.substr(0, part.size() - (continues ? 1 : 0));
+          if (!continues)
+            {
+              finish(joined);
+              joined = {0, ""};
+            }
         }
-      }
       finish(joined); // the file may end in a backslash
       return lines;
     }
@@ -163,61 +163,62 @@ namespace emmy
     std::map<std::string, std::string> set_at; // in this file
 
     for (const Line &line : logical_lines(input))
-    {
-      const std::string where =
-        files.back() + ", line " + std::to_string(line.number);
-      const std::size_t blank   = line.text.find(' ');
-      const std::string keyword = line.text.substr(0, blank);
-      const std::string rest    = trim(line.text.substr(keyword.size()));
-      const std::size_t equals  = rest.find('=');
-      const std::string name    = trim(rest.substr(0, equals));
-      const auto        is      = [&](const char *lower, const char *upper) {
-        return keyword == lower || keyword == upper;
-      };
+      {
+        const std::string where =
+          files.back() + ", line " + std::to_string(line.number);
+        const std::size_t blank   = line.text.find(' ');
+        const std::string keyword = line.text.substr(0, blank);
+        const std::string rest    = trim(line.text.substr(keyword.size()));
+        const std::size_t equals  = rest.find('=');
+        const std::string name    = trim(rest.substr(0, equals));
+        const auto        is      = [&](const char *lower, const char *upper) {
+          return keyword == lower || keyword == upper;
+        };
 
-      if (is("subsection", "SUBSECTION") && !rest.empty())
-      {
-        statements.push_back({section, rest, "", where, true});
-        section.push_back(rest);
-        opened_at.push_back(where);
+        if (is("subsection", "SUBSECTION") && !rest.empty())
+          {
+            statements.push_back({section, rest, "", where, true});
+            section.push_back(rest);
+            opened_at.push_back(where);
+          }
+        else if (is("end", "END") && rest.empty())
+          {
+            AssertThrow(!opened_at.empty(),
+                        ExcRun(where,
+                               "this <end> closes no section of this file",
+                               "remove it, or add the missing <subsection>."));
+            section.pop_back();
+            opened_at.pop_back();
+          }
+        else if (is("set", "SET") && equals != std::string::npos &&
+                 !name.empty())
+          {
+            const std::string path     = full_name(section, name);
+            const auto [first, is_new] = set_at.emplace(path, where);
+            AssertThrow(is_new,
+                        ExcRun(where,
+                               "<" + path + "> is given a second time",
+                               "the first is in " + first->second +
+                                 "; keep one of them."));
+            statements.push_back(
+              {section, name, trim(rest.substr(equals + 1)), where, false});
+          }
+        else if (is("include", "INCLUDE") && !rest.empty())
+          {
+            Path nested = files;
+            nested.push_back(included_file(rest, where, files));
+            std::ifstream included =
+              open(nested.back(),
+                   where,
+                   "check the name; it is relative to the including file.");
+            read(included, section, nested);
+          }
+        else
+          AssertThrow(false,
+                      ExcRun(where,
+                             "cannot understand <" + line.text + ">",
+                             remedy_for_line(keyword)));
       }
-      else if (is("end", "END") && rest.empty())
-      {
-        AssertThrow(!opened_at.empty(),
-                    ExcRun(where,
-                           "this <end> closes no section of this file",
-                           "remove it, or add the missing <subsection>."));
-        section.pop_back();
-        opened_at.pop_back();
-      }
-      else if (is("set", "SET") && equals != std::string::npos && !name.empty())
-      {
-        const std::string path     = full_name(section, name);
-        const auto [first, is_new] = set_at.emplace(path, where);
-        AssertThrow(is_new,
-                    ExcRun(where,
-                           "<" + path + "> is given a second time",
-                           "the first is in " + first->second +
-                             "; keep one of them."));
-        statements.push_back(
-          {section, name, trim(rest.substr(equals + 1)), where, false});
-      }
-      else if (is("include", "INCLUDE") && !rest.empty())
-      {
-        Path nested = files;
-        nested.push_back(included_file(rest, where, files));
-        std::ifstream included =
-          open(nested.back(),
-               where,
-               "check the name; it is relative to the including file.");
-        read(included, section, nested);
-      }
-      else
-        AssertThrow(false,
-                    ExcRun(where,
-                           "cannot understand <" + line.text + ">",
-                           remedy_for_line(keyword)));
-    }
     AssertThrow(opened_at.empty(),
                 ExcRun(opened_at.back(),
                        "section <" + join(section, "/") +
@@ -244,15 +245,16 @@ namespace emmy
 
     Path section;
     for (const std::string &name : names)
-    {
-      const bool is_entry = section.size() + 1 == names.size();
-      statements.push_back({section,
-                            name,
-                            is_entry ? trim(assignment.substr(equals + 1)) : "",
-                            "--set",
-                            !is_entry});
-      section.push_back(name);
-    }
+      {
+        const bool is_entry = section.size() + 1 == names.size();
+        statements.push_back(
+          {section,
+           name,
+           is_entry ? trim(assignment.substr(equals + 1)) : "",
+           "--set",
+           !is_entry});
+        section.push_back(name);
+      }
   }
 
 
@@ -302,39 +304,39 @@ namespace emmy
     throw_all(problems);
 
     for (const auto &[section, name, value, where, opens] : statements)
-    {
-      if (opens)
-        continue;
-      const std::string what =
-        "parameter <" + full_name(section, name) + "> is <" + value + ">";
+      {
+        if (opens)
+          continue;
+        const std::string what =
+          "parameter <" + full_name(section, name) + "> is <" + value + ">";
 
-      for (const std::string &one : section)
-        prm.enter_subsection(one);
-      try
-      {
-        prm.set(name, value);
+        for (const std::string &one : section)
+          prm.enter_subsection(one);
+        try
+          {
+            prm.set(name, value);
+          }
+        catch (const dealii::ParameterHandler::ExcValueDoesNotMatchPattern &)
+          {
+            const auto &entry = *declared.find(section, name, false);
+            problems.push_back({where,
+                                what,
+                                "it must be " + in_words(entry.pattern) + ". " +
+                                  entry.documentation});
+          }
+        catch (const dealii::ExceptionBase &error) // from the entry's action
+          {
+            std::ostringstream text;
+            error.print_info(text);
+            problems.push_back({where, what, trim(text.str())});
+          }
+        catch (const std::exception &error)
+          {
+            problems.push_back({where, what, error.what()});
+          }
+        for (std::size_t i = 0; i < section.size(); ++i)
+          prm.leave_subsection();
       }
-      catch (const dealii::ParameterHandler::ExcValueDoesNotMatchPattern &)
-      {
-        const auto &entry = *declared.find(section, name, false);
-        problems.push_back({where,
-                            what,
-                            "it must be " + in_words(entry.pattern) + ". " +
-                              entry.documentation});
-      }
-      catch (const dealii::ExceptionBase &error) // from the entry's action
-      {
-        std::ostringstream text;
-        error.print_info(text);
-        problems.push_back({where, what, trim(text.str())});
-      }
-      catch (const std::exception &error)
-      {
-        problems.push_back({where, what, error.what()});
-      }
-      for (std::size_t i = 0; i < section.size(); ++i)
-        prm.leave_subsection();
-    }
     throw_all(problems);
   }
 } // namespace emmy

@@ -117,26 +117,26 @@ namespace emmy
 
     std::vector<Row> rows;
     for (const std::string &name : names)
-    {
-      const auto entry =
-        std::find_if(entries.begin(), entries.end(), [&](const Entry &e) {
-          return e.name == name;
-        });
-      const bool is_here = entry != entries.end();
+      {
+        const auto entry =
+          std::find_if(entries.begin(), entries.end(), [&](const Entry &e) {
+            return e.name == name;
+          });
+        const bool is_here = entry != entries.end();
 
-      const auto seconds =
-        dealii::Utilities::MPI::min_max_avg(is_here ? entry->seconds : 0.,
-                                            communicator);
-      Row row;
-      row.name         = name;
-      row.seconds      = seconds.max;
-      row.mean_seconds = seconds.avg;
-      row.calls        = dealii::Utilities::MPI::max(
-        is_here ? static_cast<double>(entry->calls) : 0., communicator);
-      row.points = dealii::Utilities::MPI::sum(
-        is_here ? static_cast<double>(entry->points) : 0., communicator);
-      rows.push_back(row);
-    }
+        const auto seconds =
+          dealii::Utilities::MPI::min_max_avg(is_here ? entry->seconds : 0.,
+                                              communicator);
+        Row row;
+        row.name         = name;
+        row.seconds      = seconds.max;
+        row.mean_seconds = seconds.avg;
+        row.calls        = dealii::Utilities::MPI::max(
+          is_here ? static_cast<double>(entry->calls) : 0., communicator);
+        row.points = dealii::Utilities::MPI::sum(
+          is_here ? static_cast<double>(entry->points) : 0., communicator);
+        rows.push_back(row);
+      }
     return rows;
   }
 
@@ -169,15 +169,15 @@ namespace emmy
             << share(seconds, total) << " %" << std::defaultfloat;
     };
     for (const Row &row : rows)
-    {
-      std::ostringstream calls;
-      calls << std::fixed << std::setprecision(0) << row.calls;
-      begin_line(row.name, calls.str(), row.seconds);
-      if (row.points > 0. && row.seconds > 0.)
-        table << std::scientific << std::setprecision(2) << std::setw(13)
-              << row.points / row.seconds << std::defaultfloat;
-      table << "\n";
-    }
+      {
+        std::ostringstream calls;
+        calls << std::fixed << std::setprecision(0) << row.calls;
+        begin_line(row.name, calls.str(), row.seconds);
+        if (row.points > 0. && row.seconds > 0.)
+          table << std::scientific << std::setprecision(2) << std::setw(13)
+                << row.points / row.seconds << std::defaultfloat;
+        table << "\n";
+      }
     begin_line("(outside phases)", "", seconds_outside(rows, total));
     table << "\n" << std::string(width + 44, '-') << "\n";
     begin_line("total wall time", "", total);
@@ -197,31 +197,32 @@ namespace emmy
 
     std::string problem;
     if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
-    {
-      std::ofstream out(filename);
-      out << std::setprecision(9) << "{\n  \"ranks\": "
-          << dealii::Utilities::MPI::n_mpi_processes(communicator)
-          << ",\n  \"total_seconds\": " << total
-          << ",\n  \"seconds_outside_phases\": " << seconds_outside(rows, total)
-          << ",\n  \"phases\": [";
-      const char *separator = "\n";
-      for (const Row &row : rows)
       {
-        out << separator << "    {\"name\": " << quoted(row.name)
-            << ", \"calls\": " << row.calls << ", \"seconds\": " << row.seconds
-            << ", \"mean_seconds\": " << row.mean_seconds
-            << ", \"share_percent\": " << share(row.seconds, total);
-        if (row.points > 0.)
-          out << ", \"points\": " << std::setprecision(17) << row.points
-              << std::setprecision(9) << ", \"points_per_second\": "
-              << (row.seconds > 0. ? row.points / row.seconds : 0.);
-        out << "}";
-        separator = ",\n";
+        std::ofstream out(filename);
+        out << std::setprecision(9) << "{\n  \"ranks\": "
+            << dealii::Utilities::MPI::n_mpi_processes(communicator)
+            << ",\n  \"total_seconds\": " << total
+            << ",\n  \"seconds_outside_phases\": "
+            << seconds_outside(rows, total) << ",\n  \"phases\": [";
+        const char *separator = "\n";
+        for (const Row &row : rows)
+          {
+            out << separator << "    {\"name\": " << quoted(row.name)
+                << ", \"calls\": " << row.calls
+                << ", \"seconds\": " << row.seconds
+                << ", \"mean_seconds\": " << row.mean_seconds
+                << ", \"share_percent\": " << share(row.seconds, total);
+            if (row.points > 0.)
+              out << ", \"points\": " << std::setprecision(17) << row.points
+                  << std::setprecision(9) << ", \"points_per_second\": "
+                  << (row.seconds > 0. ? row.points / row.seconds : 0.);
+            out << "}";
+            separator = ",\n";
+          }
+        out << "\n  ]\n}\n" << std::flush;
+        if (!out)
+          problem = "the file <" + filename + "> cannot be written";
       }
-      out << "\n  ]\n}\n" << std::flush;
-      if (!out)
-        problem = "the file <" + filename + "> cannot be written";
-    }
     throw_together(communicator,
                    "Writing the table of phases",
                    problem,

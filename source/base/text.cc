@@ -22,17 +22,17 @@ namespace emmy
       std::vector<std::size_t> row(b.size() + 1);
       std::iota(row.begin(), row.end(), 0);
       for (std::size_t i = 1; i <= a.size(); ++i)
-      {
-        std::size_t diagonal = row[0];
-        row[0]               = i;
-        for (std::size_t j = 1; j <= b.size(); ++j)
         {
-          const std::size_t replaced =
-            diagonal + (same(a[i - 1], b[j - 1]) ? 0 : 1);
-          diagonal = row[j];
-          row[j]   = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+          std::size_t diagonal = row[0];
+          row[0]               = i;
+          for (std::size_t j = 1; j <= b.size(); ++j)
+            {
+              const std::size_t replaced =
+                diagonal + (same(a[i - 1], b[j - 1]) ? 0 : 1);
+              diagonal = row[j];
+              row[j]   = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+            }
         }
-      }
       return row.back();
     }
   } // namespace
@@ -46,14 +46,14 @@ namespace emmy
     std::size_t limit = // first distance that is too far
       std::min(wanted.size(), std::max<std::size_t>(2, wanted.size() / 3) + 1);
     for (const std::string &candidate : candidates)
-    {
-      const std::size_t distance = edit_distance(wanted, candidate);
-      if (distance < limit)
       {
-        nearest = candidate;
-        limit   = distance;
+        const std::size_t distance = edit_distance(wanted, candidate);
+        if (distance < limit)
+          {
+            nearest = candidate;
+            limit   = distance;
+          }
       }
-    }
     return nearest;
   }
 

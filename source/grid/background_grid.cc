@@ -37,22 +37,22 @@ namespace emmy
   {
     const std::string section = this->path();
     for (unsigned int d = 0; d < dim; ++d)
-    {
-      AssertThrow(cells[d] > 0,
-                  ExcParameter(section,
-                               "Cells",
-                               dealii::Patterns::Tools::to_string(cells),
-                               "the number of cells in each direction is "
-                               "required and must be at least 1."));
-      AssertThrow(upper_corner[d] > lower_corner[d],
-                  ExcParameter(section,
-                               "Upper corner",
-                               dealii::Patterns::Tools::to_string(upper_corner),
-                               "must lie above the lower corner (" +
-                                 dealii::Patterns::Tools::to_string(
-                                   lower_corner) +
-                                 ") in each direction. Coordinates are in m."));
-    }
+      {
+        AssertThrow(cells[d] > 0,
+                    ExcParameter(section,
+                                 "Cells",
+                                 dealii::Patterns::Tools::to_string(cells),
+                                 "the number of cells in each direction is "
+                                 "required and must be at least 1."));
+        AssertThrow(
+          upper_corner[d] > lower_corner[d],
+          ExcParameter(section,
+                       "Upper corner",
+                       dealii::Patterns::Tools::to_string(upper_corner),
+                       "must lie above the lower corner (" +
+                         dealii::Patterns::Tools::to_string(lower_corner) +
+                         ") in each direction. Coordinates are in m."));
+      }
   }
 
   template <int dim>
@@ -73,17 +73,17 @@ namespace emmy
     while (std::all_of(coarse.begin(), coarse.end(), [](unsigned int n) {
       return n % 2 == 0;
     }))
-    {
-      for (auto &n : coarse)
-        n /= 2;
-      ++n_levels;
-    }
+      {
+        for (auto &n : coarse)
+          n /= 2;
+        ++n_levels;
+      }
     trees = 1;
     for (unsigned int d = 0; d < dim; ++d)
-    {
-      trees *= coarse[d];
-      h[d] = (upper[d] - lower[d]) / counts[d];
-    }
+      {
+        trees *= coarse[d];
+        h[d] = (upper[d] - lower[d]) / counts[d];
+      }
     dealii::GridGenerator::subdivided_hyper_rectangle(
       cells, coarse, lower, upper, /*colorize=*/true);
     cells.refine_global(n_levels);

@@ -56,10 +56,10 @@ namespace emmy
     for (const std::string &name : parameters.fixed)
       fixed_on_side[side_of(name, "Fixed")].set();
     for (const std::string &name : parameters.roller)
-    {
-      const unsigned int side = side_of(name, "Roller");
-      fixed_on_side[side].set(side / 2);
-    }
+      {
+        const unsigned int side = side_of(name, "Roller");
+        fixed_on_side[side].set(side / 2);
+      }
   }
 
   template <int dim>
@@ -69,13 +69,13 @@ namespace emmy
   {
     std::bitset<dim> result;
     for (unsigned int d = 0; d < dim; ++d)
-    {
-      const double tolerance = 1e-6 * grid.cell_size()[d];
-      if (std::abs(position[d] - grid.lower_corner()[d]) < tolerance)
-        result |= fixed_on_side[2 * d];
-      if (std::abs(position[d] - grid.upper_corner()[d]) < tolerance)
-        result |= fixed_on_side[2 * d + 1];
-    }
+      {
+        const double tolerance = 1e-6 * grid.cell_size()[d];
+        if (std::abs(position[d] - grid.lower_corner()[d]) < tolerance)
+          result |= fixed_on_side[2 * d];
+        if (std::abs(position[d] - grid.upper_corner()[d]) < tolerance)
+          result |= fixed_on_side[2 * d + 1];
+      }
     return result;
   }
 

@@ -64,21 +64,21 @@ namespace emmy
             "two pairs of elastic constants are mixed. Give either Young's "
             "modulus and Poisson's ratio, or bulk modulus and shear modulus.");
     if (invariants)
-    {
-      require(bulk_modulus > 0.,
-              "Bulk modulus",
-              bulk_modulus,
-              "required with <Shear modulus>, and must be positive (Pa).");
-      require(shear_modulus > 0.,
-              "Shear modulus",
-              shear_modulus,
-              "required with <Bulk modulus>, and must be positive (Pa).");
-      result.young_modulus =
-        9. * bulk_modulus * shear_modulus / (3. * bulk_modulus + shear_modulus);
-      result.poisson_ratio = (3. * bulk_modulus - 2. * shear_modulus) /
-                             (2. * (3. * bulk_modulus + shear_modulus));
-      return result;
-    }
+      {
+        require(bulk_modulus > 0.,
+                "Bulk modulus",
+                bulk_modulus,
+                "required with <Shear modulus>, and must be positive (Pa).");
+        require(shear_modulus > 0.,
+                "Shear modulus",
+                shear_modulus,
+                "required with <Bulk modulus>, and must be positive (Pa).");
+        result.young_modulus = 9. * bulk_modulus * shear_modulus /
+                               (3. * bulk_modulus + shear_modulus);
+        result.poisson_ratio = (3. * bulk_modulus - 2. * shear_modulus) /
+                               (2. * (3. * bulk_modulus + shear_modulus));
+        return result;
+      }
     require(young_modulus > 0.,
             "Young's modulus",
             young_modulus,
@@ -111,47 +111,48 @@ namespace emmy
     const double   K = bulk_modulus, G = shear_modulus;
 
     for (unsigned int p = 0; p < batch.n_points; ++p)
-    {
-      // everything in the principal frame of b, then rotated
-      const auto b = spectral_decomposition<dim>(batch.left_cauchy_green[p]);
-      const auto Q = mandel::congruence<dim>(b.vectors);
-
-      std::array<double, 3> log_b, tau;
-      for (unsigned int i = 0; i < 3; ++i)
-        log_b[i] = std::log(b.values[i]);
-      const double trace = 0.5 * (log_b[0] + log_b[1] + log_b[2]);
-
-      double            deviator_squared = 0.;
-      MandelVector<dim> tau_principal;
-      for (unsigned int i = 0; i < 3; ++i)
       {
-        const double deviator = 0.5 * log_b[i] - trace / 3.;
-        deviator_squared += deviator * deviator;
-        tau[i]                   = K * trace + 2. * G * deviator;
-        tau_principal[normal[i]] = tau[i];
-      }
-      batch.stored_energy[p] = 0.5 * K * trace * trace + G * deviator_squared;
-      batch.kirchhoff_stress[p] = Q * tau_principal;
+        // everything in the principal frame of b, then rotated
+        const auto b = spectral_decomposition<dim>(batch.left_cauchy_green[p]);
+        const auto Q = mandel::congruence<dim>(b.vectors);
 
-      if (!batch.with_tangent)
-        continue;
-      MandelMatrix<dim> c;
-      for (unsigned int i = 0; i < 3; ++i)
-      {
-        for (unsigned int j = 0; j < 3; ++j)
-          c[normal[i]][normal[j]] = K - 2. / 3. * G;
-        c[normal[i]][normal[i]] += 2. * G - 2. * tau[i];
+        std::array<double, 3> log_b, tau;
+        for (unsigned int i = 0; i < 3; ++i)
+          log_b[i] = std::log(b.values[i]);
+        const double trace = 0.5 * (log_b[0] + log_b[1] + log_b[2]);
+
+        double            deviator_squared = 0.;
+        MandelVector<dim> tau_principal;
+        for (unsigned int i = 0; i < 3; ++i)
+          {
+            const double deviator = 0.5 * log_b[i] - trace / 3.;
+            deviator_squared += deviator * deviator;
+            tau[i]                   = K * trace + 2. * G * deviator;
+            tau_principal[normal[i]] = tau[i];
+          }
+        batch.stored_energy[p] = 0.5 * K * trace * trace + G * deviator_squared;
+        batch.kirchhoff_stress[p] = Q * tau_principal;
+
+        if (!batch.with_tangent)
+          continue;
+        MandelMatrix<dim> c;
+        for (unsigned int i = 0; i < 3; ++i)
+          {
+            for (unsigned int j = 0; j < 3; ++j)
+              c[normal[i]][normal[j]] = K - 2. / 3. * G;
+            c[normal[i]][normal[i]] += 2. * G - 2. * tau[i];
+          }
+        for (unsigned int a = dim; a < n_in_plane<dim>; ++a)
+          {
+            const unsigned int i = ij[a][0], j = ij[a][1];
+            c[a][a] = 2. * G *
+                        logarithm_quotient(b.values[i],
+                                           b.values[j],
+                                           log_b[i] - log_b[j]) -
+                      (tau[i] + tau[j]);
+          }
+        batch.spatial_tangent[p] = mandel::transform<dim>(Q, c);
       }
-      for (unsigned int a = dim; a < n_in_plane<dim>; ++a)
-      {
-        const unsigned int i = ij[a][0], j = ij[a][1];
-        c[a][a] =
-          2. * G *
-            logarithm_quotient(b.values[i], b.values[j], log_b[i] - log_b[j]) -
-          (tau[i] + tau[j]);
-      }
-      batch.spatial_tangent[p] = mandel::transform<dim>(Q, c);
-    }
   }
 
   template <int dim>

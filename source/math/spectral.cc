@@ -30,17 +30,17 @@ namespace emmy
       A[q][q] += t * apq;
       A[p][q] = A[q][p] = 0.;
       for (unsigned int r = 0; r < dim; ++r)
-      {
-        if (r != p && r != q)
         {
-          const double arp = A[r][p], arq = A[r][q];
-          A[r][p] = A[p][r] = c * arp - s * arq;
-          A[r][q] = A[q][r] = s * arp + c * arq;
+          if (r != p && r != q)
+            {
+              const double arp = A[r][p], arq = A[r][q];
+              A[r][p] = A[p][r] = c * arp - s * arq;
+              A[r][q] = A[q][r] = s * arp + c * arq;
+            }
+          const double vrp = V[r][p], vrq = V[r][q];
+          V[r][p] = c * vrp - s * vrq;
+          V[r][q] = s * vrp + c * vrq;
         }
-        const double vrp = V[r][p], vrq = V[r][q];
-        V[r][p] = c * vrp - s * vrq;
-        V[r][q] = s * vrp + c * vrq;
-      }
     }
   } // namespace
 
@@ -55,28 +55,28 @@ namespace emmy
       V[d][d] = 1.;
 
     if constexpr (dim == 2)
-    {
-      rotate(0, 1, A, V);
-      result.values = {{A[0][0], A[1][1], a[3]}};
-    }
-    else
-    {
-      // converges quadratically; the bound is never met in practice
-      for (unsigned int sweep = 0; sweep < 30; ++sweep)
       {
-        const double off =
-          A[0][1] * A[0][1] + A[0][2] * A[0][2] + A[1][2] * A[1][2];
-        const double diagonal =
-          A[0][0] * A[0][0] + A[1][1] * A[1][1] + A[2][2] * A[2][2];
-        constexpr double epsilon = std::numeric_limits<double>::epsilon();
-        if (off <= 1e-4 * epsilon * epsilon * diagonal)
-          break;
         rotate(0, 1, A, V);
-        rotate(0, 2, A, V);
-        rotate(1, 2, A, V);
+        result.values = {{A[0][0], A[1][1], a[3]}};
       }
-      result.values = {{A[0][0], A[1][1], A[2][2]}};
-    }
+    else
+      {
+        // converges quadratically; the bound is never met in practice
+        for (unsigned int sweep = 0; sweep < 30; ++sweep)
+          {
+            const double off =
+              A[0][1] * A[0][1] + A[0][2] * A[0][2] + A[1][2] * A[1][2];
+            const double diagonal =
+              A[0][0] * A[0][0] + A[1][1] * A[1][1] + A[2][2] * A[2][2];
+            constexpr double epsilon = std::numeric_limits<double>::epsilon();
+            if (off <= 1e-4 * epsilon * epsilon * diagonal)
+              break;
+            rotate(0, 1, A, V);
+            rotate(0, 2, A, V);
+            rotate(1, 2, A, V);
+          }
+        result.values = {{A[0][0], A[1][1], A[2][2]}};
+      }
     return result;
   }
 

@@ -83,25 +83,26 @@ namespace emmy
       for (unsigned int d = 0; d < dim; ++d)
         text += d == 0 ? "0" : ";0";
     try
-    {
-      body.initial_velocity->initialize(
-        dealii::FunctionParser<dim>::default_variable_names(),
-        text,
-        std::map<std::string, double>{{"pi", dealii::numbers::PI}});
-      body.initial_velocity->value(Point<dim>());
-    }
+      {
+        body.initial_velocity->initialize(
+          dealii::FunctionParser<dim>::default_variable_names(),
+          text,
+          std::map<std::string, double>{{"pi", dealii::numbers::PI}});
+        body.initial_velocity->value(Point<dim>());
+      }
     catch (const std::exception &)
-    {
-      AssertThrow(false,
-                  ExcParameter(
-                    parameters.path(),
-                    "Initial velocity",
-                    text,
-                    "it cannot be read. Write " + std::to_string(dim) +
-                      " components separated by ;, each a formula in " +
-                      dealii::FunctionParser<dim>::default_variable_names() +
-                      ", e.g. " + (dim == 2 ? "0.75; 0" : "0.75; 0; 0") + "."));
-    }
+      {
+        AssertThrow(
+          false,
+          ExcParameter(parameters.path(),
+                       "Initial velocity",
+                       text,
+                       "it cannot be read. Write " + std::to_string(dim) +
+                         " components separated by ;, each a formula in " +
+                         dealii::FunctionParser<dim>::default_variable_names() +
+                         ", e.g. " + (dim == 2 ? "0.75; 0" : "0.75; 0; 0") +
+                         "."));
+      }
     return body;
   }
 
@@ -123,14 +124,14 @@ namespace emmy
     for (unsigned int k = 0; k < (dim == 3 ? n : 1); ++k)
       for (unsigned int j = 0; j < n; ++j)
         for (unsigned int i = 0; i < n; ++i)
-        {
-          const std::array<unsigned int, 3> index{{i, j, k}};
-          Point<dim>                        center;
-          for (unsigned int d = 0; d < dim; ++d)
-            center[d] = lower[d] + (index[d] + 0.5) / n * h[d];
-          if (body.shape->contains(center))
-            points.push_back(center);
-        }
+          {
+            const std::array<unsigned int, 3> index{{i, j, k}};
+            Point<dim>                        center;
+            for (unsigned int d = 0; d < dim; ++d)
+              center[d] = lower[d] + (index[d] + 0.5) / n * h[d];
+            if (body.shape->contains(center))
+              points.push_back(center);
+          }
     return points;
   }
 
@@ -146,17 +147,17 @@ namespace emmy
       if (box.upper_bound(0) == std::numeric_limits<double>::max())
         return "";
       for (unsigned int d = 0; d < dim; ++d)
-      {
-        const double tolerance = 1e-9 * grid.cell_size()[d];
-        if (box.lower_bound(d) < grid.lower_corner()[d] - tolerance ||
-            box.upper_bound(d) > grid.upper_corner()[d] + tolerance)
-          return "body <" + body.name + "> spans " + "xyz"[d] + " = " +
-                 shortest(box.lower_bound(d)) + " ... " +
-                 shortest(box.upper_bound(d)) +
-                 " m, which is not inside the grid, " +
-                 shortest(grid.lower_corner()[d]) + " ... " +
-                 shortest(grid.upper_corner()[d]) + " m";
-      }
+        {
+          const double tolerance = 1e-9 * grid.cell_size()[d];
+          if (box.lower_bound(d) < grid.lower_corner()[d] - tolerance ||
+              box.upper_bound(d) > grid.upper_corner()[d] + tolerance)
+            return "body <" + body.name + "> spans " + "xyz"[d] + " = " +
+                   shortest(box.lower_bound(d)) + " ... " +
+                   shortest(box.upper_bound(d)) +
+                   " m, which is not inside the grid, " +
+                   shortest(grid.lower_corner()[d]) + " ... " +
+                   shortest(grid.upper_corner()[d]) + " m";
+        }
       return "";
     }
   } // namespace
@@ -190,19 +191,19 @@ namespace emmy
     for (const auto &cell : grid.triangulation().active_cell_iterators())
       if (cell->is_locally_owned())
         for (unsigned int b = 0; b < bodies.size(); ++b)
-        {
-          Filling filling{cell, b, points_in_cell(bodies[b], grid, cell)};
-          n_points[b] += filling.points.size();
-          for (const Point<dim> &point : filling.points)
-            for (unsigned int other = 0; other < bodies.size(); ++other)
-              if (other != b && overlap.empty() &&
-                  bodies[other].shape->contains(point))
-                overlap = "bodies <" + bodies[b].name + "> and <" +
-                          bodies[other].name + "> overlap, e.g. at (" +
-                          dealii::Patterns::Tools::to_string(point) + ") m";
-          if (!filling.points.empty())
-            fillings.push_back(std::move(filling));
-        }
+          {
+            Filling filling{cell, b, points_in_cell(bodies[b], grid, cell)};
+            n_points[b] += filling.points.size();
+            for (const Point<dim> &point : filling.points)
+              for (unsigned int other = 0; other < bodies.size(); ++other)
+                if (other != b && overlap.empty() &&
+                    bodies[other].shape->contains(point))
+                  overlap = "bodies <" + bodies[b].name + "> and <" +
+                            bodies[other].name + "> overlap, e.g. at (" +
+                            dealii::Patterns::Tools::to_string(point) + ") m";
+            if (!filling.points.empty())
+              fillings.push_back(std::move(filling));
+          }
     throw_together(communicator,
                    "Bodies",
                    overlap,
@@ -232,28 +233,28 @@ namespace emmy
     std::vector<double>           values = layout.initial_values();
     particles.reserve(n_local);
     for (const Filling &filling : fillings)
-    {
-      const Body<dim> &from = bodies[filling.body];
-      values[body]          = filling.body;
-      values[volume]        = 1.;
-      for (unsigned int d = 0; d < dim; ++d)
-        values[volume] *= h[d] / from.points_per_direction;
-      values[mass] = from.density * values[volume];
-      for (const Point<dim> &point : filling.points)
       {
+        const Body<dim> &from = bodies[filling.body];
+        values[body]          = filling.body;
+        values[volume]        = 1.;
         for (unsigned int d = 0; d < dim; ++d)
-          values[velocity + d] = from.initial_velocity->value(point, d);
-        Point<dim> reference;
-        for (unsigned int d = 0; d < dim; ++d)
-          reference[d] = (point[d] - filling.cell->vertex(0)[d]) / h[d];
-        particles.insert_particle(
-          point,
-          reference,
-          id++,
-          filling.cell,
-          dealii::ArrayView<const double>(values.data(), values.size()));
+          values[volume] *= h[d] / from.points_per_direction;
+        values[mass] = from.density * values[volume];
+        for (const Point<dim> &point : filling.points)
+          {
+            for (unsigned int d = 0; d < dim; ++d)
+              values[velocity + d] = from.initial_velocity->value(point, d);
+            Point<dim> reference;
+            for (unsigned int d = 0; d < dim; ++d)
+              reference[d] = (point[d] - filling.cell->vertex(0)[d]) / h[d];
+            particles.insert_particle(
+              point,
+              reference,
+              id++,
+              filling.cell,
+              dealii::ArrayView<const double>(values.data(), values.size()));
+          }
       }
-    }
     particles.update_cached_numbers();
   }
 

@@ -16,17 +16,17 @@ namespace emmy
     Field entry  = field;
     entry.offset = n_components();
     switch (field.kind)
-    {
-      case Field::Kind::scalar:
-        entry.n_components = 1;
-        break;
-      case Field::Kind::vector:
-        entry.n_components = dim;
-        break;
-      case Field::Kind::symmetric_tensor:
-        entry.n_components = dim == 2 ? 4 : 6;
-        break;
-    }
+      {
+        case Field::Kind::scalar:
+          entry.n_components = 1;
+          break;
+        case Field::Kind::vector:
+          entry.n_components = dim;
+          break;
+        case Field::Kind::symmetric_tensor:
+          entry.n_components = dim == 2 ? 4 : 6;
+          break;
+      }
     entry.initial.resize(entry.n_components, 0.);
     list.push_back(entry);
     return entry.offset;

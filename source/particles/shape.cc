@@ -133,10 +133,10 @@ namespace emmy
       {
         Point<dim> lower = center, upper = center;
         for (unsigned int d = 0; d < dim; ++d)
-        {
-          lower[d] -= radius;
-          upper[d] += radius;
-        }
+          {
+            lower[d] -= radius;
+            upper[d] += radius;
+          }
         return BoundingBox<dim>({lower, upper});
       }
 
@@ -200,14 +200,14 @@ namespace emmy
       {
         Point<dim> lower, upper;
         for (unsigned int d = 0; d < dim; ++d)
-        {
-          // extent of the end discs in direction d
-          const double disc =
-            radius * std::sqrt(std::max(0., 1. - axis[d] * axis[d]));
-          const double end = base[d] + length * axis[d];
-          lower[d]         = std::min(base[d], end) - disc;
-          upper[d]         = std::max(base[d], end) + disc;
-        }
+          {
+            // extent of the end discs in direction d
+            const double disc =
+              radius * std::sqrt(std::max(0., 1. - axis[d] * axis[d]));
+            const double end = base[d] + length * axis[d];
+            lower[d]         = std::min(base[d], end) - disc;
+            upper[d]         = std::max(base[d], end) + disc;
+          }
         return BoundingBox<dim>({lower, upper});
       }
 
@@ -260,26 +260,26 @@ namespace emmy
       Expression(const std::string &section, const std::string &text)
       {
         try
-        {
-          function.initialize(
-            dealii::FunctionParser<dim>::default_variable_names(),
-            text,
-            std::map<std::string, double>{{"pi", dealii::numbers::PI}});
-          function.value(Point<dim>());
-        }
-        catch (const std::exception &)
-        {
-          AssertThrow(
-            false,
-            ExcParameter(
-              section,
-              "Expression",
+          {
+            function.initialize(
+              dealii::FunctionParser<dim>::default_variable_names(),
               text,
-              "it cannot be read. Write a formula in " +
-                dealii::FunctionParser<dim>::default_variable_names() +
-                " that is positive inside the body, "
-                "e.g. 1 - x^2 - y^2."));
-        }
+              std::map<std::string, double>{{"pi", dealii::numbers::PI}});
+            function.value(Point<dim>());
+          }
+        catch (const std::exception &)
+          {
+            AssertThrow(
+              false,
+              ExcParameter(
+                section,
+                "Expression",
+                text,
+                "it cannot be read. Write a formula in " +
+                  dealii::FunctionParser<dim>::default_variable_names() +
+                  " that is positive inside the body, "
+                  "e.g. 1 - x^2 - y^2."));
+          }
       }
 
       bool
@@ -293,10 +293,10 @@ namespace emmy
       {
         Point<dim> lower, upper;
         for (unsigned int d = 0; d < dim; ++d)
-        {
-          lower[d] = std::numeric_limits<double>::lowest();
-          upper[d] = std::numeric_limits<double>::max();
-        }
+          {
+            lower[d] = std::numeric_limits<double>::lowest();
+            upper[d] = std::numeric_limits<double>::max();
+          }
         return BoundingBox<dim>({lower, upper});
       }
 

@@ -32,73 +32,76 @@ namespace emmy
 
     auto particle = particles.begin();
     while (particle != particles.end())
-    {
-      // the particles of a cell stand together; order them by body
-      const typename BackgroundGrid<dim>::Cell cell =
-        particle->get_surrounding_cell();
-      stencils.active_cells.push_back(cell);
-      const auto ids   = grid.node_ids(cell);
-      const auto lower = cell->vertex(0);
-      const auto first = stencils.particles.size();
-      while (particle != particles.end() &&
-             particle->get_surrounding_cell() == cell)
-        stencils.particles.push_back(particle++);
-      std::stable_sort(stencils.particles.begin() + first,
-                       stencils.particles.end(),
-                       [&](const auto &a, const auto &b) {
-                         return body_of(a) < body_of(b);
-                       });
-
-      for (auto p = first; p < stencils.particles.size();)
       {
-        typename Stencils<dim>::Group group;
-        group.first_point = p;
-        group.body        = body_of(stencils.particles[p]);
-        while (p < stencils.particles.size() &&
-               body_of(stencils.particles[p]) == group.body)
-          ++p;
-        group.n_points    = p - group.first_point;
-        group.n_nodes     = n_nodes;
-        group.first_node  = stencils.node_ids.size();
-        group.first_value = group.first_point * n_nodes;
-        stencils.node_ids.insert(stencils.node_ids.end(),
-                                 ids.begin(),
-                                 ids.end());
+        // the particles of a cell stand together; order them by body
+        const typename BackgroundGrid<dim>::Cell cell =
+          particle->get_surrounding_cell();
+        stencils.active_cells.push_back(cell);
+        const auto ids   = grid.node_ids(cell);
+        const auto lower = cell->vertex(0);
+        const auto first = stencils.particles.size();
+        while (particle != particles.end() &&
+               particle->get_surrounding_cell() == cell)
+          stencils.particles.push_back(particle++);
+        std::stable_sort(stencils.particles.begin() + first,
+                         stencils.particles.end(),
+                         [&](const auto &a, const auto &b) {
+                           return body_of(a) < body_of(b);
+                         });
 
-        for (unsigned int q = 0; q < group.n_points; ++q)
-        {
-          // per direction: the hats of both nodes and their slopes
-          const auto &x =
-            stencils.particles[group.first_point + q]->get_location();
-          std::array<std::array<double, 2>, dim> hat;
-          for (unsigned int d = 0; d < dim; ++d)
+        for (auto p = first; p < stencils.particles.size();)
           {
-            const double xi = (x[d] - lower[d]) / h[d];
-            hat[d]          = {{1. - xi, xi}};
+            typename Stencils<dim>::Group group;
+            group.first_point = p;
+            group.body        = body_of(stencils.particles[p]);
+            while (p < stencils.particles.size() &&
+                   body_of(stencils.particles[p]) == group.body)
+              ++p;
+            group.n_points    = p - group.first_point;
+            group.n_nodes     = n_nodes;
+            group.first_node  = stencils.node_ids.size();
+            group.first_value = group.first_point * n_nodes;
+            stencils.node_ids.insert(stencils.node_ids.end(),
+                                     ids.begin(),
+                                     ids.end());
+
+            for (unsigned int q = 0; q < group.n_points; ++q)
+              {
+                // per direction: the hats of both nodes and their slopes
+                const auto &x =
+                  stencils.particles[group.first_point + q]->get_location();
+                std::array<std::array<double, 2>, dim> hat;
+                for (unsigned int d = 0; d < dim; ++d)
+                  {
+                    const double xi = (x[d] - lower[d]) / h[d];
+                    hat[d]          = {{1. - xi, xi}};
+                  }
+                for (unsigned int a = 0; a < n_nodes; ++a)
+                  {
+                    const auto side = [a](const unsigned int d) {
+                      return (a >> d) & 1;
+                    };
+                    double value = 1.;
+                    for (unsigned int d = 0; d < dim; ++d)
+                      value *= hat[d][side(d)];
+                    stencils
+                      .values[group.first_value + a * group.n_points + q] =
+                      value;
+                    for (unsigned int d = 0; d < dim; ++d)
+                      {
+                        double slope = (side(d) ? 1. : -1.) / h[d];
+                        for (unsigned int e = 0; e < dim; ++e)
+                          if (e != d)
+                            slope *= hat[e][side(e)];
+                        stencils.gradients[dim * group.first_value +
+                                           (a * dim + d) * group.n_points + q] =
+                          slope;
+                      }
+                  }
+              }
+            stencils.groups.push_back(group);
           }
-          for (unsigned int a = 0; a < n_nodes; ++a)
-          {
-            const auto side = [a](const unsigned int d) {
-              return (a >> d) & 1;
-            };
-            double value = 1.;
-            for (unsigned int d = 0; d < dim; ++d)
-              value *= hat[d][side(d)];
-            stencils.values[group.first_value + a * group.n_points + q] = value;
-            for (unsigned int d = 0; d < dim; ++d)
-            {
-              double slope = (side(d) ? 1. : -1.) / h[d];
-              for (unsigned int e = 0; e < dim; ++e)
-                if (e != d)
-                  slope *= hat[e][side(e)];
-              stencils.gradients[dim * group.first_value +
-                                 (a * dim + d) * group.n_points + q] = slope;
-            }
-          }
-        }
-        stencils.groups.push_back(group);
       }
-    }
     return stencils;
   }
 

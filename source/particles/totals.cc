@@ -14,21 +14,21 @@ namespace emmy
     const unsigned int    velocity = layout["velocity"];
     std::array<double, 8> sums{};
     for (std::size_t p = 0; p < points.n_points(); ++p)
-    {
-      std::array<double, 3> x{}, momentum{};
-      for (unsigned int d = 0; d < dim; ++d)
       {
-        const double v = points.component(velocity + d)[p];
-        x[d]           = points.position(d)[p];
-        momentum[d]    = mass[p] * v;
-        sums[1] += 0.5 * momentum[d] * v;
-        sums[2 + d] += momentum[d];
+        std::array<double, 3> x{}, momentum{};
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double v = points.component(velocity + d)[p];
+            x[d]           = points.position(d)[p];
+            momentum[d]    = mass[p] * v;
+            sums[1] += 0.5 * momentum[d] * v;
+            sums[2 + d] += momentum[d];
+          }
+        sums[0] += mass[p];
+        sums[5] += x[1] * momentum[2] - x[2] * momentum[1];
+        sums[6] += x[2] * momentum[0] - x[0] * momentum[2];
+        sums[7] += x[0] * momentum[1] - x[1] * momentum[0];
       }
-      sums[0] += mass[p];
-      sums[5] += x[1] * momentum[2] - x[2] * momentum[1];
-      sums[6] += x[2] * momentum[0] - x[0] * momentum[2];
-      sums[7] += x[0] * momentum[1] - x[1] * momentum[0];
-    }
     for (double &sum : sums)
       sum = dealii::Utilities::MPI::sum(sum, communicator);
 
@@ -39,10 +39,10 @@ namespace emmy
     totals.mass           = sums[0];
     totals.kinetic_energy = sums[1];
     for (unsigned int d = 0; d < 3; ++d)
-    {
-      totals.linear_momentum[d]  = sums[2 + d];
-      totals.angular_momentum[d] = sums[5 + d];
-    }
+      {
+        totals.linear_momentum[d]  = sums[2 + d];
+        totals.angular_momentum[d] = sums[5 + d];
+      }
     return totals;
   }
 

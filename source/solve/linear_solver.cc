@@ -71,15 +71,15 @@ namespace emmy
       {
         LinearResult result;
         try
-        {
-          solver = std::make_unique<TW::SolverDirect>(control);
-          solver->initialize(matrix);
-        }
+          {
+            solver = std::make_unique<TW::SolverDirect>(control);
+            solver->initialize(matrix);
+          }
         catch (const std::exception &)
-        {
-          result.is_solved = false;
-          result.problem   = "the matrix is singular: LU factorisation failed";
-        }
+          {
+            result.is_solved = false;
+            result.problem = "the matrix is singular: LU factorisation failed";
+          }
         return result;
       }
 
@@ -90,10 +90,10 @@ namespace emmy
         solver->solve(x, b);
         const double norm = x.l2_norm();
         if (!std::isfinite(norm))
-        {
-          result.is_solved = false;
-          result.problem   = "the matrix is singular: LU gave no number";
-        }
+          {
+            result.is_solved = false;
+            result.problem   = "the matrix is singular: LU gave no number";
+          }
         return result;
       }
 
@@ -125,40 +125,39 @@ namespace emmy
         LinearResult result;
         matrix = &new_matrix;
         try
-        {
-          if (preconditioner_name == "Jacobi")
           {
-            auto jacobi = std::make_unique<TW::PreconditionJacobi>();
-            jacobi->initialize(*matrix);
-            preconditioner = std::move(jacobi);
+            if (preconditioner_name == "Jacobi")
+              {
+                auto jacobi = std::make_unique<TW::PreconditionJacobi>();
+                jacobi->initialize(*matrix);
+                preconditioner = std::move(jacobi);
+              }
+            else if (preconditioner_name == "ILU")
+              {
+                auto ilu = std::make_unique<TW::PreconditionILU>();
+                ilu->initialize(*matrix);
+                preconditioner = std::move(ilu);
+              }
+            else
+              {
+                TW::PreconditionAMG::AdditionalData data;
+                data.elliptic = false; // the tangent is not symmetric
+                data.constant_modes.resize(
+                  n_components, std::vector<bool>(matrix->local_size(), false));
+                // all components of a node are on one rank
+                for (unsigned int i = 0; i < matrix->local_size(); ++i)
+                  data.constant_modes[i % n_components][i] = true;
+                auto multigrid = std::make_unique<TW::PreconditionAMG>();
+                multigrid->initialize(*matrix, data);
+                preconditioner = std::move(multigrid);
+              }
           }
-          else if (preconditioner_name == "ILU")
-          {
-            auto ilu = std::make_unique<TW::PreconditionILU>();
-            ilu->initialize(*matrix);
-            preconditioner = std::move(ilu);
-          }
-          else
-          {
-            TW::PreconditionAMG::AdditionalData data;
-            data.elliptic = false; // the tangent is not symmetric
-            data.constant_modes.resize(n_components,
-                                       std::vector<bool>(matrix->local_size(),
-                                                         false));
-            // all components of a node are on one rank
-            for (unsigned int i = 0; i < matrix->local_size(); ++i)
-              data.constant_modes[i % n_components][i] = true;
-            auto multigrid = std::make_unique<TW::PreconditionAMG>();
-            multigrid->initialize(*matrix, data);
-            preconditioner = std::move(multigrid);
-          }
-        }
         catch (const std::exception &)
-        {
-          result.is_solved = false;
-          result.problem =
-            "the preconditioner " + preconditioner_name + " cannot be made";
-        }
+          {
+            result.is_solved = false;
+            result.problem =
+              "the preconditioner " + preconditioner_name + " cannot be made";
+          }
         return result;
       }
 
@@ -169,21 +168,22 @@ namespace emmy
         dealii::SolverControl control(1000, tolerance * b.l2_norm());
         x = 0.;
         try
-        {
-          if (method == "GMRES")
-            TW::SolverGMRES(control,
-                            TW::SolverGMRES::AdditionalData(false, 100))
-              .solve(*matrix, x, b, *preconditioner);
-          else
-            TW::SolverBicgstab(control).solve(*matrix, x, b, *preconditioner);
-        }
+          {
+            if (method == "GMRES")
+              TW::SolverGMRES(control,
+                              TW::SolverGMRES::AdditionalData(false, 100))
+                .solve(*matrix, x, b, *preconditioner);
+            else
+              TW::SolverBicgstab(control).solve(*matrix, x, b, *preconditioner);
+          }
         catch (const std::exception &)
-        {
-          result.is_solved = false;
-          result.problem   = name() + " did not reach the relative residual " +
-                           shortest(tolerance) + " in " +
-                           std::to_string(control.last_step()) + " iterations";
-        }
+          {
+            result.is_solved = false;
+            result.problem = name() + " did not reach the relative residual " +
+                             shortest(tolerance) + " in " +
+                             std::to_string(control.last_step()) +
+                             " iterations";
+          }
         result.iterations = control.last_step();
         return result;
       }
@@ -220,33 +220,40 @@ namespace emmy
   }
 
   LinearResult
-  solve_to_round_off(LinearSolver &solver,
-                     const Matrix &matrix,
-                     Vector       &x,
-                     const Vector &b)
+  solve_to_round_off(LinearSolver                            &solver,
+                     const Matrix                            &A,
+                     const dealii::AffineConstraints<double> &constraints,
+                     const Vector                            &b,
+                     Vector                                  &x)
   {
-    LinearResult result = solver.prepare(matrix);
-    if (!result.is_solved)
-      return result;
-    const double krylov_tolerance = 1e-10;
-    result                        = solver.solve(x, b, krylov_tolerance);
-    Vector residual(b), correction(b);
-    double norm = matrix.residual(residual, x, b);
-    for (unsigned int i = 0; i < 3 && result.is_solved && norm > 0.; ++i)
-    {
-      const LinearResult refined =
-        solver.solve(correction, residual, krylov_tolerance);
-      if (!refined.is_solved)
-        break;
-      result.iterations += refined.iterations;
-      Vector better(x);
-      better += correction;
-      const double better_norm = matrix.residual(residual, better, b);
-      if (!(better_norm < norm))
-        break;
-      x    = better;
-      norm = better_norm;
-    }
+    constexpr unsigned int max_refinements  = 10;
+    constexpr double       krylov_tolerance = 1e-6;
+
+    LinearResult result;
+    Vector       residual(b), correction(b), better(b);
+    const auto   update_residual = [&](const Vector &trial) {
+      A.residual(residual, trial, b);
+      constraints.set_zero(residual);
+      return residual.l2_norm();
+    };
+    x           = 0.;
+    double norm = update_residual(x);
+    for (unsigned int i = 0; i < max_refinements && norm > 0.; ++i)
+      {
+        const LinearResult solve =
+          solver.solve(correction, residual, krylov_tolerance);
+        result.iterations += solve.iterations;
+        if (!solve.is_solved)
+          return i == 0 ? solve : result;
+        constraints.set_zero(correction);
+        better = x;
+        better += correction;
+        const double better_norm = update_residual(better);
+        if (!(better_norm < 0.9 * norm))
+          break;
+        x    = better;
+        norm = better_norm;
+      }
     return result;
   }
 } // namespace emmy

@@ -41,62 +41,63 @@ namespace emmy
       return equation.evaluate(solution, /*with_jacobian=*/true);
     };
     if (!evaluate())
-    {
-      result.problem = equation.problem();
-      return result;
-    }
-    double norm = equation.residual().l2_norm();
-    result.residual_history.push_back(norm);
-    if (norm <= round_off * equation.scale())
-    {
-      result.is_converged = true;
-      return result;
-    }
-
-    Vector increment(solution), right_side(solution);
-    while (result.iterations < maximum_iterations)
-    {
-      right_side.equ(-1., equation.residual());
-      {
-        const auto   scope = phases.scope("linear solve");
-        LinearResult solve = linear_solver.prepare(equation.jacobian());
-        if (solve.is_solved)
-          solve = linear_solver.solve(increment, right_side, linear_tolerance);
-        result.linear_iterations += solve.iterations;
-        if (!solve.is_solved)
-        {
-          result.problem = "linear solver: " + solve.problem;
-          return result;
-        }
-      }
-      ++result.iterations;
-
-      solution += increment;
-      bool has_meaning = evaluate();
-      for (unsigned int halving = 0; !has_meaning && halving < 6; ++halving)
-      {
-        increment *= 0.5;
-        solution -= increment;
-        has_meaning = evaluate();
-      }
-      if (!has_meaning)
       {
         result.problem = equation.problem();
         return result;
       }
-
-      norm = equation.residual().l2_norm();
-      result.residual_history.push_back(norm);
-      result.work_history.push_back(
-        absolute_product(equation.residual(), increment));
-      if (result.work_history.back() <
-            tolerance * result.work_history.front() ||
-          norm <= round_off * equation.scale())
+    double norm = equation.residual().l2_norm();
+    result.residual_history.push_back(norm);
+    if (norm <= round_off * equation.scale())
       {
         result.is_converged = true;
         return result;
       }
-    }
+
+    Vector increment(solution), right_side(solution);
+    while (result.iterations < maximum_iterations)
+      {
+        right_side.equ(-1., equation.residual());
+        {
+          const auto   scope = phases.scope("linear solve");
+          LinearResult solve = linear_solver.prepare(equation.jacobian());
+          if (solve.is_solved)
+            solve =
+              linear_solver.solve(increment, right_side, linear_tolerance);
+          result.linear_iterations += solve.iterations;
+          if (!solve.is_solved)
+            {
+              result.problem = "linear solver: " + solve.problem;
+              return result;
+            }
+        }
+        ++result.iterations;
+
+        solution += increment;
+        bool has_meaning = evaluate();
+        for (unsigned int halving = 0; !has_meaning && halving < 6; ++halving)
+          {
+            increment *= 0.5;
+            solution -= increment;
+            has_meaning = evaluate();
+          }
+        if (!has_meaning)
+          {
+            result.problem = equation.problem();
+            return result;
+          }
+
+        norm = equation.residual().l2_norm();
+        result.residual_history.push_back(norm);
+        result.work_history.push_back(
+          absolute_product(equation.residual(), increment));
+        if (result.work_history.back() <
+              tolerance * result.work_history.front() ||
+            norm <= round_off * equation.scale())
+          {
+            result.is_converged = true;
+            return result;
+          }
+      }
     result.problem = "not converged in " + std::to_string(maximum_iterations) +
                      " iterations; |r| fell from " +
                      shortest(result.residual_history.front()) + " to " +

@@ -126,21 +126,21 @@ namespace emmy
 
         for (const auto &group : stencils.groups)
           for (unsigned int a = 0; a < group.n_nodes; ++a)
-          {
-            const double *S      = stencils.value(group, a);
-            const double *m      = points.component(mass) + group.first_point;
-            const double *V      = volume.data() + group.first_point;
-            const auto    node   = active.nodes(group)[a];
-            double        weight = 0.;
-            for (unsigned int p = 0; p < group.n_points; ++p)
             {
-              nodal[0][node] += S[p] * m[p];
-              nodal[1][node] += S[p] * V[p];
-              weight += S[p];
+              const double *S      = stencils.value(group, a);
+              const double *m      = points.component(mass) + group.first_point;
+              const double *V      = volume.data() + group.first_point;
+              const auto    node   = active.nodes(group)[a];
+              double        weight = 0.;
+              for (unsigned int p = 0; p < group.n_points; ++p)
+                {
+                  nodal[0][node] += S[p] * m[p];
+                  nodal[1][node] += S[p] * V[p];
+                  weight += S[p];
+                }
+              nodal[2][node] += weight * modulus_of_body[group.body];
+              nodal[3][node] += weight;
             }
-            nodal[2][node] += weight * modulus_of_body[group.body];
-            nodal[3][node] += weight;
-          }
         for (auto &sum : nodal)
           active.sum_over_ranks(sum);
 
@@ -187,12 +187,12 @@ namespace emmy
     std::vector<double> moduli;
     double              smallest_ratio = std::numeric_limits<double>::max();
     for (const auto *material : material_of_body)
-    {
-      moduli.push_back(material->p_wave_modulus());
-      smallest_ratio =
-        std::min(smallest_ratio,
-                 material->density() / material->p_wave_modulus());
-    }
+      {
+        moduli.push_back(material->p_wave_modulus());
+        smallest_ratio =
+          std::min(smallest_ratio,
+                   material->density() / material->p_wave_modulus());
+      }
     if (parameters.step_rule == "wave")
       return std::make_unique<ConstantStep<dim>>(factor *
                                                  std::sqrt(smallest_ratio));

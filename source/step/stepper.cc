@@ -63,31 +63,31 @@ namespace emmy
     Solution solution;
     solution.time_step = next_time_step(stencils, points);
     for (unsigned int halvings = 0;; ++halvings, solution.time_step *= 0.5)
-    {
-      const StepData<dim> step{
-        stencils, points, *start, time, solution.time_step};
-      solution.equation     = balance.over(step);
-      solution.displacement = start->velocity;
-      solution.displacement *= step.time_step; // exact in free flight
+      {
+        const StepData<dim> step{
+          stencils, points, *start, time, solution.time_step};
+        solution.equation     = balance.over(step);
+        solution.displacement = start->velocity;
+        solution.displacement *= step.time_step; // exact in free flight
 
-      solution.newton = Newton(solver_parameters, *linear_solver, phases)
-                          .solve(*solution.equation, solution.displacement);
-      if (solution.newton.is_converged)
-        break;
-      if (halvings == limits.maximum_halvings)
-        throw_together(
-          grid.communicator(),
-          where,
-          "Newton does not converge, with the step halved " +
-            std::to_string(halvings) + " times to " + shortest(step.time_step) +
-            " s: " + solution.newton.problem,
-          "the last accepted state was kept. Use a smaller Time/Factor or "
-          "Step size, more Points per direction, or a stiffer or finer "
-          "model; Time/Maximum halvings allows smaller steps.");
-      solution.notes.push_back(where + ": " + solution.newton.problem +
-                               "; halved to " + shortest(0.5 * step.time_step) +
-                               " s");
-    }
+        solution.newton = Newton(solver_parameters, *linear_solver, phases)
+                            .solve(*solution.equation, solution.displacement);
+        if (solution.newton.is_converged)
+          break;
+        if (halvings == limits.maximum_halvings)
+          throw_together(
+            grid.communicator(),
+            where,
+            "Newton does not converge, with the step halved " +
+              std::to_string(halvings) + " times to " +
+              shortest(step.time_step) + " s: " + solution.newton.problem,
+            "the last accepted state was kept. Use a smaller Time/Factor or "
+            "Step size, more Points per direction, or a stiffer or finer "
+            "model; Time/Maximum halvings allows smaller steps.");
+        solution.notes.push_back(where + ": " + solution.newton.problem +
+                                 "; halved to " +
+                                 shortest(0.5 * step.time_step) + " s");
+      }
 
     solution.velocity =
       velocity_new(solution.displacement, start->velocity, solution.time_step);
@@ -126,13 +126,14 @@ namespace emmy
     if (!linear_solver)
       linear_solver =
         make_linear_solver(solver_parameters, start.active->n_dofs(), dim);
-    Vector momentum = start.momentum;
-    start.active->constraints().set_zero(momentum);
-    Vector             velocity = start.active->make_vector();
-    const LinearResult result   = solve_to_round_off(*linear_solver,
-                                                   start.map_matrix(),
-                                                   velocity,
-                                                   momentum);
+    Vector       velocity = start.active->make_vector();
+    LinearResult result   = linear_solver->prepare(start.damped_mass);
+    if (result.is_solved)
+      result = solve_to_round_off(*linear_solver,
+                                  start.mass,
+                                  start.active->constraints(),
+                                  start.momentum,
+                                  velocity);
     throw_together(grid.communicator(),
                    "Step " + std::to_string(step_number + 1),
                    result.is_solved ? ""
@@ -141,7 +142,6 @@ namespace emmy
                                         result.problem,
                    "use more Points per direction, or Solver/Linear solver = "
                    "direct.");
-    start.active->constraints().set_zero(velocity);
     return velocity;
   }
 

@@ -101,36 +101,36 @@ namespace emmy
     for (unsigned int i = 0; i < owned_ids.size(); ++i)
       node_numbers.push_back(first + i);
     for (const auto &[ghost_number, id] : ghosts)
-    {
-      ids.push_back(id);
-      node_numbers.push_back(ghost_number);
-    }
+      {
+        ids.push_back(id);
+        node_numbers.push_back(ghost_number);
+      }
     for (unsigned int i = 0; i < ids.size(); ++i)
-    {
-      node_positions.push_back(grid.node_position(ids[i]));
-      local_index_of.emplace_back(ids[i], i);
-    }
+      {
+        node_positions.push_back(grid.node_position(ids[i]));
+        local_index_of.emplace_back(ids[i], i);
+      }
     std::sort(local_index_of.begin(), local_index_of.end());
 
     group_nodes.reserve(stencils.node_ids.size());
     for (const global_dof_index id : stencils.node_ids)
       group_nodes.push_back(local_index(id));
     for (const auto &cell : active_cells)
-    {
-      const auto cell_ids = grid.node_ids(cell);
-      nodes_of_cell.emplace_back();
-      for (unsigned int v = 0; v < cell_ids.size(); ++v)
-        nodes_of_cell.back()[v] = local_index(cell_ids[v]);
-    }
+      {
+        const auto cell_ids = grid.node_ids(cell);
+        nodes_of_cell.emplace_back();
+        for (unsigned int v = 0; v < cell_ids.size(); ++v)
+          nodes_of_cell.back()[v] = local_index(cell_ids[v]);
+      }
 
     const global_dof_index end = first + owned_ids.size();
     dealii::IndexSet       ghost_nodes(n_nodes), ghost_dofs(dim * n_nodes);
     for (const auto &[ghost_number, id] : ghosts)
-    {
-      (void)id;
-      ghost_nodes.add_index(ghost_number);
-      ghost_dofs.add_range(dim * ghost_number, dim * (ghost_number + 1));
-    }
+      {
+        (void)id;
+        ghost_nodes.add_index(ghost_number);
+        ghost_dofs.add_range(dim * ghost_number, dim * (ghost_number + 1));
+      }
     ghost_nodes.compress();
     ghost_dofs.compress();
     owned_dofs = range(dim * first, dim * end, dim * n_nodes);
@@ -151,13 +151,13 @@ namespace emmy
   {
     essential.reinit(known_dofs);
     for (unsigned int node = 0; node < n_local_nodes(); ++node)
-    {
-      const auto fixed =
-        boundary_conditions.fixed_components(node_positions[node]);
-      for (unsigned int c = 0; c < dim; ++c)
-        if (fixed[c])
-          essential.add_line(first_dof(node) + c);
-    }
+      {
+        const auto fixed =
+          boundary_conditions.fixed_components(node_positions[node]);
+        for (unsigned int c = 0; c < dim; ++c)
+          if (fixed[c])
+            essential.add_line(first_dof(node) + c);
+      }
     essential.close();
   }
 
@@ -170,14 +170,14 @@ namespace emmy
       owned_dofs, owned_dofs, known_dofs, communicator(), longest_row);
     std::vector<global_dof_index> dofs;
     for (const auto &group : stencils.groups)
-    {
-      dofs.clear();
-      for (unsigned int a = 0; a < group.n_nodes; ++a)
-        for (unsigned int c = 0; c < dim; ++c)
-          dofs.push_back(first_dof(nodes(group)[a]) + c);
-      for (const auto row : dofs)
-        pattern.add_entries(row, dofs.begin(), dofs.end());
-    }
+      {
+        dofs.clear();
+        for (unsigned int a = 0; a < group.n_nodes; ++a)
+          for (unsigned int c = 0; c < dim; ++c)
+            dofs.push_back(first_dof(nodes(group)[a]) + c);
+        for (const auto row : dofs)
+          pattern.add_entries(row, dofs.begin(), dofs.end());
+      }
     pattern.compress();
   }
 

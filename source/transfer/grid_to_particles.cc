@@ -22,29 +22,29 @@ namespace emmy
 
     for (const auto &group : stencils.groups)
       for (unsigned int c = 0; c < dim; ++c)
-      {
-        // start from t: the trial states may have been moved before
-        const unsigned int *nodes = active.nodes(group);
-        double             *x     = trial.position(c) + group.first_point;
-        double *v = trial.component(velocity + c) + group.first_point;
-        for (unsigned int p = 0; p < group.n_points; ++p)
         {
-          const auto &particle = *stencils.particles[group.first_point + p];
-          x[p]                 = particle.get_location()[c];
-          v[p]                 = particle.get_properties()[velocity + c];
-        }
-        for (unsigned int a = 0; a < group.n_nodes; ++a)
-        {
-          const double *S       = stencils.value(group, a);
-          const double  node_u  = u[dim * nodes[a] + c];
-          const double  node_dv = dv[dim * nodes[a] + c];
+          // start from t: the trial states may have been moved before
+          const unsigned int *nodes = active.nodes(group);
+          double             *x     = trial.position(c) + group.first_point;
+          double *v = trial.component(velocity + c) + group.first_point;
           for (unsigned int p = 0; p < group.n_points; ++p)
-          {
-            x[p] += S[p] * node_u;
-            v[p] += S[p] * node_dv;
-          }
+            {
+              const auto &particle = *stencils.particles[group.first_point + p];
+              x[p]                 = particle.get_location()[c];
+              v[p]                 = particle.get_properties()[velocity + c];
+            }
+          for (unsigned int a = 0; a < group.n_nodes; ++a)
+            {
+              const double *S       = stencils.value(group, a);
+              const double  node_u  = u[dim * nodes[a] + c];
+              const double  node_dv = dv[dim * nodes[a] + c];
+              for (unsigned int p = 0; p < group.n_points; ++p)
+                {
+                  x[p] += S[p] * node_u;
+                  v[p] += S[p] * node_dv;
+                }
+            }
         }
-      }
     for (std::size_t p = 0; p < trial.n_points(); ++p)
       if (!grid.contains(trial.point(p)))
         return "particle " + std::to_string(stencils.particles[p]->get_id()) +
@@ -65,13 +65,13 @@ namespace emmy
                     dealii::Particles::ParticleHandler<dim> &particles)
   {
     for (std::size_t p = 0; p < accepted.n_points(); ++p)
-    {
-      auto       particle   = stencils.particles[p];
-      const auto properties = particle->get_properties();
-      for (unsigned int c = 0; c < layout.n_components(); ++c)
-        properties[c] = accepted.component(c)[p];
-      particle->set_location(accepted.point(p));
-    }
+      {
+        auto       particle   = stencils.particles[p];
+        const auto properties = particle->get_properties();
+        for (unsigned int c = 0; c < layout.n_components(); ++c)
+          properties[c] = accepted.component(c)[p];
+        particle->set_location(accepted.point(p));
+      }
 
     // deal.II looks for a particle's new cell on the owned and ghost cells.
     // One that went farther is caught here and handed to its rank.
@@ -89,13 +89,14 @@ namespace emmy
     connection.disconnect();
 
     if (dealii::Utilities::MPI::max(travellers.size(), grid.communicator()) > 0)
-    {
-      const auto owned = dealii::GridTools::compute_mesh_predicate_bounding_box(
-        grid.triangulation(), dealii::IteratorFilters::LocallyOwnedCell());
-      particles.insert_global_particles(
-        travellers,
-        dealii::Utilities::MPI::all_gather(grid.communicator(), owned));
-    }
+      {
+        const auto owned =
+          dealii::GridTools::compute_mesh_predicate_bounding_box(
+            grid.triangulation(), dealii::IteratorFilters::LocallyOwnedCell());
+        particles.insert_global_particles(
+          travellers,
+          dealii::Utilities::MPI::all_gather(grid.communicator(), owned));
+      }
     throw_together(grid.communicator(),
                    "Moving particles to their cells",
                    particles.n_global_particles() == n_before

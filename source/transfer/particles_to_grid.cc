@@ -9,14 +9,14 @@ namespace emmy
     const unsigned int n_components = layout.n_components();
     PointArrays<dim>   points(stencils.particles.size(), n_components);
     for (std::size_t p = 0; p < points.n_points(); ++p)
-    {
-      const auto &particle   = *stencils.particles[p];
-      const auto  properties = particle.get_properties();
-      for (unsigned int d = 0; d < dim; ++d)
-        points.position(d)[p] = particle.get_location()[d];
-      for (unsigned int c = 0; c < n_components; ++c)
-        points.component(c)[p] = properties[c];
-    }
+      {
+        const auto &particle   = *stencils.particles[p];
+        const auto  properties = particle.get_properties();
+        for (unsigned int d = 0; d < dim; ++d)
+          points.position(d)[p] = particle.get_location()[d];
+        for (unsigned int c = 0; c < n_components; ++c)
+          points.component(c)[p] = properties[c];
+      }
     return points;
   }
 
@@ -37,20 +37,16 @@ namespace emmy
                                    const PointArrays<dim> &points)
   {
     if (!start.active || !start.active->fits(stencils))
-    {
-      start.active =
-        std::make_unique<const ActiveGrid<dim>>(stencils,
-                                                grid,
-                                                boundary_conditions);
-      start.is_constrained =
-        dealii::Utilities::MPI::max(start.active->constraints().n_constraints(),
-                                    grid.communicator());
-      start.mass.reinit(start.active->sparsity());
-      if (start.is_constrained)
-        start.constrained_mass.reinit(start.active->sparsity());
-      start.momentum = start.active->make_vector();
-      start.velocity = start.active->make_vector();
-    }
+      {
+        start.active =
+          std::make_unique<const ActiveGrid<dim>>(stencils,
+                                                  grid,
+                                                  boundary_conditions);
+        start.mass.reinit(start.active->sparsity());
+        start.damped_mass.reinit(start.active->sparsity());
+        start.momentum = start.active->make_vector();
+        start.velocity = start.active->make_vector();
+      }
     assemble_mass(stencils, points);
     assemble_momentum(stencils, points);
     return start;
@@ -64,41 +60,50 @@ namespace emmy
     const ActiveGrid<dim> &active = *start.active;
     const double          *mass   = points.component(mass_component);
     start.mass                    = 0.;
-    if (start.is_constrained)
-      start.constrained_mass = 0.;
+    start.damped_mass             = 0.;
 
     dealii::FullMatrix<double>                   cell_mass;
+    std::vector<double>                          row_sums;
     std::vector<dealii::types::global_dof_index> dofs;
     for (const auto &group : stencils.groups)
-    {
-      const unsigned int n = group.n_nodes;
-      cell_mass.reinit(dim * n, dim * n);
-      dofs.resize(dim * n);
-      for (unsigned int a = 0; a < n; ++a)
       {
-        const double *S_a = stencils.value(group, a);
-        for (unsigned int b = 0; b <= a; ++b)
-        {
-          const double *S_b = stencils.value(group, b);
-          double        sum = 0.;
-          for (unsigned int p = 0; p < group.n_points; ++p)
-            sum += mass[group.first_point + p] * S_a[p] * S_b[p];
-          for (unsigned int c = 0; c < dim; ++c)
-            cell_mass(dim * a + c, dim * b + c) =
-              cell_mass(dim * b + c, dim * a + c) = sum;
-        }
-        for (unsigned int c = 0; c < dim; ++c)
-          dofs[dim * a + c] = active.first_dof(active.nodes(group)[a]) + c;
-      }
-      start.mass.add(dofs, cell_mass);
-      if (start.is_constrained)
+        const unsigned int n = group.n_nodes;
+        cell_mass.reinit(dim * n, dim * n);
+        dofs.resize(dim * n);
+        row_sums.resize(dim * n);
+        for (unsigned int a = 0; a < n; ++a)
+          {
+            const double *S_a = stencils.value(group, a);
+            for (unsigned int b = 0; b <= a; ++b)
+              {
+                const double *S_b = stencils.value(group, b);
+                double        sum = 0.;
+                for (unsigned int p = 0; p < group.n_points; ++p)
+                  sum += mass[group.first_point + p] * S_a[p] * S_b[p];
+                for (unsigned int c = 0; c < dim; ++c)
+                  cell_mass(dim * a + c, dim * b + c) =
+                    cell_mass(dim * b + c, dim * a + c) = sum;
+              }
+            for (unsigned int c = 0; c < dim; ++c)
+              dofs[dim * a + c] = active.first_dof(active.nodes(group)[a]) + c;
+          }
+        start.mass.add(dofs, cell_mass);
+
+        // the row sums of the cell's matrix are its lumped mass
+        for (unsigned int i = 0; i < dim * n; ++i)
+          {
+            row_sums[i] = 0.;
+            for (unsigned int j = i % dim; j < dim * n; j += dim)
+              row_sums[i] += cell_mass(i, j);
+          }
+        for (unsigned int i = 0; i < dim * n; ++i)
+          cell_mass(i, i) += mass_damping * row_sums[i];
         active.constraints().distribute_local_to_global(cell_mass,
                                                         dofs,
-                                                        start.constrained_mass);
-    }
+                                                        start.damped_mass);
+      }
     start.mass.compress(dealii::VectorOperation::add);
-    if (start.is_constrained)
-      start.constrained_mass.compress(dealii::VectorOperation::add);
+    start.damped_mass.compress(dealii::VectorOperation::add);
   }
 
   template <int dim>
@@ -111,18 +116,18 @@ namespace emmy
     std::vector<double>    momentum(dim * active.n_local_nodes());
     for (const auto &group : stencils.groups)
       for (unsigned int a = 0; a < group.n_nodes; ++a)
-      {
-        const double *S = stencils.value(group, a);
-        for (unsigned int c = 0; c < dim; ++c)
         {
-          const double *v   = points.component(velocity_component + c);
-          double        sum = 0.;
-          for (unsigned int p = 0; p < group.n_points; ++p)
-            sum +=
-              mass[group.first_point + p] * S[p] * v[group.first_point + p];
-          momentum[dim * active.nodes(group)[a] + c] += sum;
+          const double *S = stencils.value(group, a);
+          for (unsigned int c = 0; c < dim; ++c)
+            {
+              const double *v   = points.component(velocity_component + c);
+              double        sum = 0.;
+              for (unsigned int p = 0; p < group.n_points; ++p)
+                sum +=
+                  mass[group.first_point + p] * S[p] * v[group.first_point + p];
+              momentum[dim * active.nodes(group)[a] + c] += sum;
+            }
         }
-      }
     start.momentum = 0.;
     active.add(momentum, start.momentum);
   }

@@ -42,10 +42,10 @@ namespace emmy
     {
       for (auto &existing : entries)
         if (existing.name == entry.name)
-        {
-          existing = std::move(entry);
-          return;
-        }
+          {
+            existing = std::move(entry);
+            return;
+          }
       entries.push_back(std::move(entry));
     }
 

@@ -70,11 +70,15 @@ namespace emmy
   class MaterialParameters : public Section
   {
   public:
-    using Section::Section;
+    /** Declares <Model>; the models declare the rest. */
+    explicit MaterialParameters(const std::string &section);
 
     /** Check what patterns cannot say, and build. Throws ExcParameter. */
     virtual std::unique_ptr<Material<dim>>
     make() const = 0;
+
+  private:
+    std::string model; // decides, before this is made, what is made
   };
 
   /** All materials that a parameter file can name. */

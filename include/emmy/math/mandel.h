@@ -90,10 +90,10 @@ namespace emmy
       for (unsigned int c = 0; c < dim; ++c)
         result[c][c] = a[c];
       for (unsigned int c = dim; c < n_in_plane<dim>; ++c)
-      {
-        result[ij[c][0]][ij[c][1]] = a[c] / sqrt2;
-        result[ij[c][1]][ij[c][0]] = a[c] / sqrt2;
-      }
+        {
+          result[ij[c][0]][ij[c][1]] = a[c] / sqrt2;
+          result[ij[c][1]][ij[c][0]] = a[c] / sqrt2;
+        }
       return result;
     }
 
@@ -129,18 +129,18 @@ namespace emmy
       constexpr auto    ij = pairs<dim>();
       MandelMatrix<dim> Q;
       for (unsigned int a = 0; a < n_in_plane<dim>; ++a)
-      {
-        const unsigned int i = ij[a][0], j = ij[a][1];
-        const double       row_factor = a < dim ? 1. : sqrt2;
-        for (unsigned int c = 0; c < dim; ++c)
-          Q[a][c] = row_factor * G[i][c] * G[j][c];
-        for (unsigned int c = dim; c < n_in_plane<dim>; ++c)
         {
-          const unsigned int k = ij[c][0], l = ij[c][1];
-          Q[a][c] = (G[i][k] * G[j][l] + G[i][l] * G[j][k]) *
-                    (a < dim ? 1. / sqrt2 : 1.);
+          const unsigned int i = ij[a][0], j = ij[a][1];
+          const double       row_factor = a < dim ? 1. : sqrt2;
+          for (unsigned int c = 0; c < dim; ++c)
+            Q[a][c] = row_factor * G[i][c] * G[j][c];
+          for (unsigned int c = dim; c < n_in_plane<dim>; ++c)
+            {
+              const unsigned int k = ij[c][0], l = ij[c][1];
+              Q[a][c] = (G[i][k] * G[j][l] + G[i][l] * G[j][k]) *
+                        (a < dim ? 1. / sqrt2 : 1.);
+            }
         }
-      }
       if constexpr (dim == 2)
         Q[3][3] = 1.;
       return Q;

@@ -1,6 +1,7 @@
 #ifndef emmy_solve_linear_solver_h
 #define emmy_solve_linear_solver_h
 
+#include <deal.II/lac/affine_constraints.h>
 #include <deal.II/lac/trilinos_sparse_matrix.h>
 #include <deal.II/lac/trilinos_vector.h>
 
@@ -77,15 +78,17 @@ namespace emmy
                      const unsigned int      n_components);
 
   /**
-   * Solve to round-off: iterative refinement until the residual no longer
-   * falls, at most three times. The identities of the ledger need a small
-   * residual, not a small condition number.
+   * Solve A x = b on the unconstrained unknowns to round-off: by iterative
+   * refinement, until the residual no longer falls, with a solver that was
+   * prepared with a matrix close to A. The identities of the ledger need a
+   * small residual, not a small condition number.
    */
   LinearResult
-  solve_to_round_off(LinearSolver &solver,
-                     const Matrix &matrix,
-                     Vector       &x,
-                     const Vector &b);
+  solve_to_round_off(LinearSolver                            &solver,
+                     const Matrix                            &A,
+                     const dealii::AffineConstraints<double> &constraints,
+                     const Vector                            &b,
+                     Vector                                  &x);
 } // namespace emmy
 
 #endif

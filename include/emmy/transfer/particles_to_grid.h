@@ -18,6 +18,9 @@ namespace emmy
   PointArrays<dim>
   gather(const Stencils<dim> &stencils, const FieldLayout &layout);
 
+  /** Damping of the mass matrix in linear solvers, relative. */
+  constexpr double mass_damping = 1e-13;
+
   /** What the grid knows at the start of a step. */
   template <int dim>
   struct GridStart
@@ -26,20 +29,19 @@ namespace emmy
     std::unique_ptr<const ActiveGrid<dim>> active;
     /** Effective mass M~ over all unknowns, without constraints, kg. */
     Matrix mass;
-    /** The same with the essential conditions worked in: the map's matrix. */
-    Matrix constrained_mass;
+    /**
+     * What linear solvers factorise in place of M~: with the essential
+     * conditions worked in, and damped with mass_damping times the lumped
+     * mass. M~ is singular wherever a new cell holds fewer particles than it
+     * adds nodes. The damping does not change any result: the map is refined
+     * until M~ v = p holds to round-off, and Newton's residual knows only M~.
+     * Lumped, because then a rigid translation remains one.
+     */
+    Matrix damped_mass;
     /** Momentum p_A = sum m_p S_Ap v_p, kg m/s. */
     Vector momentum;
     /** Velocity v_t that solves M~ v = p under the constraints, m/s. */
     Vector velocity;
-    /** The matrix that the map solves with. */
-    const Matrix &
-    map_matrix() const
-    {
-      return is_constrained ? constrained_mass : mass;
-    }
-    /** Whether any node of any rank is constrained. */
-    bool is_constrained = false;
   };
 
   /**

@@ -1,0 +1,66 @@
+#ifndef emmy_output_ledger_h
+#define emmy_output_ledger_h
+
+#include <emmy/assembly/step_report.h>
+
+#include <fstream>
+#include <string>
+#include <vector>
+
+namespace emmy
+{
+  /**
+   * Where every joule went: one row per accepted step. The balance
+   *   kinetic energy gained + stored + dissipated - work = 0
+   * holds to round-off in each step; `balance_error` is its cumulative sum.
+   * Row 0 is the initial state. Written by rank 0 as comma-separated text with
+   * a header; a column is there only where its effect is.
+   */
+  class Ledger
+  {
+  public:
+    /** One line of the ledger, by column. */
+    using Row = std::vector<double>;
+
+    /**
+     * @param initial  the state before the first step; its energy entries are
+     *   those of all later reports
+     * @param dim      2: only momenta in the plane
+     */
+    Ledger(const StepReport &initial, const unsigned int dim);
+
+    /** From now on write rows, those so far included, to a file. */
+    void
+    write_to(const std::string &filename);
+
+    void
+    add(const StepReport &report);
+
+    const std::vector<std::string> &
+    columns() const;
+
+    const std::vector<Row> &
+    rows() const;
+
+    /** A value of the last row. */
+    double
+    operator[](const std::string &column) const;
+
+    /** Kinetic plus stored energy of the last row, J. */
+    double
+    total_energy() const;
+
+  private:
+    void
+    write_row(const Row &row);
+
+    const unsigned int       dim;
+    std::vector<std::string> names;
+    std::vector<Row>         all_rows;
+    std::vector<EnergyEntry> sums; ///< .change is the sum so far
+    double                   residual_work = 0., balance_error = 0.;
+    std::ofstream            file;
+  };
+} // namespace emmy
+
+#endif

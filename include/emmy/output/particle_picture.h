@@ -1,0 +1,58 @@
+#ifndef emmy_output_particle_picture_h
+#define emmy_output_particle_picture_h
+
+#include <deal.II/base/point.h>
+
+#include <array>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+namespace emmy
+{
+  /**
+   * The gnuplot script that shows the particles at several times, one panel
+   * each, coloured by a value with one common scale, over the lines of the
+   * background grid. Used by Pictures.
+   *
+   * In 3D the points are projected by the script (parallel, from the front
+   * right and above, z upwards), since gnuplot's own 3D points hide each other
+   * in the order of the file and have no size in metres. So the files must
+   * hold the points sorted by depth(), as Pictures writes them.
+   */
+  struct ParticlePicture
+  {
+    /** One time, and the file with columns x, y, (z,) value, if any. */
+    struct Panel
+    {
+      double      time; ///< s
+      std::string file; ///< relative to the script; empty: no particles
+    };
+
+    unsigned int dim = 2;
+    std::string  title;       ///< plain text
+    std::string  value_label; ///< gnuplot's enhanced text, with the unit
+
+    /**
+     * The box of the background grid to be shown, m, and the size of its
+     * cells. The third component is not used in 2D.
+     */
+    dealii::Point<3>     lower, upper;
+    dealii::Tensor<1, 3> cell_size;
+
+    double             spacing  = 1.; ///< of neighbouring particles, m
+    double             smallest = 0.; ///< of all values
+    double             largest  = 1.;
+    std::vector<Panel> panels;
+
+    /** Write the complete script. */
+    void
+    write_script(std::ostream &script) const;
+
+    /** How near to the viewer a point is: draw in ascending order. */
+    static double
+    depth(const dealii::Point<3> &point);
+  };
+} // namespace emmy
+
+#endif

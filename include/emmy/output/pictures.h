@@ -1,0 +1,93 @@
+#ifndef emmy_output_pictures_h
+#define emmy_output_pictures_h
+
+#include <emmy/output/particle_picture.h>
+
+#include <deal.II/base/point.h>
+
+#include <string>
+#include <vector>
+
+namespace emmy
+{
+  /**
+   * Pictures of a run, drawn with gnuplot at its end, in the folder
+   * `pictures` of the run:
+   *  - energies.png: the energies in ledger.csv against time;
+   *  - balance_error.png: |balance_error| relative to the initial energy (to
+   *    the largest, if the run starts from rest without load);
+   *  - particles.png: all snapshots, coloured by a value.
+   *
+   * The scripts stay beside the pictures to be changed and run by hand. One
+   * object on one rank, used by the run loop. A picture is worth no run: what
+   * goes wrong here is reported by draw(), and nothing is thrown.
+   */
+  class Pictures
+  {
+  public:
+    /**
+     * @param directory of the run, which exists and will hold ledger.csv
+     * @param title     printed above the pictures; may be empty
+     */
+    Pictures(const std::string &directory, const std::string &title);
+
+    /**
+     * Keep the particles at @p time (s) for the picture of the particles, in
+     * the file particles_NN.dat.
+     *
+     * @param positions    of all particles of all ranks, m
+     * @param values       one for each, in the unit that draw() is told
+     * @param lower,upper  corners of the background grid, m
+     * @param n_cells      of the grid in each of the dim directions
+     * @pre the same dim and grid at each call
+     */
+    template <int dim>
+    void
+    add_snapshot(const double                           time,
+                 const std::vector<dealii::Point<dim>> &positions,
+                 const std::vector<double>             &values,
+                 const dealii::Point<dim>              &lower,
+                 const dealii::Point<dim>              &upper,
+                 const std::vector<unsigned int>       &n_cells);
+
+    /**
+     * Write the scripts and run gnuplot on them.
+     *
+     * @param value_label what the values of the snapshots are, with the unit;
+     *                    gnuplot's enhanced text (a^b is a superscript)
+     * @return one line for each thing that went wrong, for the log; empty if
+     *         all pictures were drawn
+     */
+    std::vector<std::string>
+    draw(const std::string &value_label = "strain energy density (J/m^3)");
+
+  private:
+    /** Names of the columns of the ledger; empty if it cannot be read. */
+    std::vector<std::string>
+    ledger_columns() const;
+
+    void
+    write_energies(const std::vector<std::string> &columns);
+
+    void
+    write_balance_error(const std::vector<std::string> &columns);
+
+    void
+    write_particles(const std::string &value_label);
+
+    /** Note that a file could not be written. */
+    void
+    cannot_write(const std::string &file);
+
+    const std::string        directory;
+    const std::string        folder; ///< of the pictures
+    const std::string        title;
+    ParticlePicture          particles;
+    std::vector<std::string> warnings;
+
+    /** What the particles of all snapshots need, m. */
+    dealii::Point<3> grid_lower, grid_upper, lowest, highest;
+  };
+} // namespace emmy
+
+#endif

@@ -1,0 +1,49 @@
+#ifndef emmy_study_scene_h
+#define emmy_study_scene_h
+
+#include <emmy/step/stepper.h>
+#include <emmy/study/scene_parameters.h>
+
+#include <iosfwd>
+
+namespace emmy
+{
+  /**
+   * A scene, ready to run: what the parameters describe, built in the order
+   * in which one thing needs the other. It only holds things together; each
+   * of them knows just what it was given.
+   */
+  template <int dim>
+  class Scene
+  {
+  public:
+    /**
+     * Build, fill with particles, and distribute over the ranks. Collective.
+     * Throws ExcParameter or ExcRun on all ranks.
+     */
+    Scene(const SceneParameters<dim> &parameters, const MPI_Comm communicator);
+
+    /** The scene in words: what is there and what it will cost. Collective. */
+    void
+    describe(std::ostream &out, const StepReport &initial) const;
+
+    Phases                                      phases;
+    BackgroundGrid<dim>                         grid;
+    BoundaryConditions<dim>                     boundary_conditions;
+    std::vector<std::unique_ptr<Material<dim>>> materials;
+    std::vector<Body<dim>>                      bodies;
+    /** Borrowed from materials, one per body. */
+    std::vector<const Material<dim> *>      material_of_body;
+    FieldLayout                             layout;
+    Balance<dim>                            balance;
+    LinearShapeFunctions<dim>               shape_functions;
+    std::unique_ptr<StepRule<dim>>          step_rule;
+    dealii::Particles::ParticleHandler<dim> particles;
+    Stepper<dim>                            stepper;
+
+  private:
+    const SceneParameters<dim> &parameters;
+  };
+} // namespace emmy
+
+#endif

@@ -1,0 +1,121 @@
+#ifndef emmy_study_scene_parameters_h
+#define emmy_study_scene_parameters_h
+
+#include <emmy/assembly/force_term.h>
+#include <emmy/base/parameter_file.h>
+#include <emmy/grid/boundary_conditions.h>
+#include <emmy/material/material.h>
+#include <emmy/particles/body.h>
+#include <emmy/solve/linear_solver.h>
+#include <emmy/step/step_rule.h>
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace emmy
+{
+  /** The entries before the first section. */
+  class GeneralParameters : public Section
+  {
+  public:
+    unsigned int dimension = 0;
+    std::string  title;
+
+    GeneralParameters();
+  };
+
+  /** A section that lists names, each with a section of its own. */
+  class NameList : public Section
+  {
+  public:
+    std::vector<std::string> names;
+
+    NameList(const std::string &path, const std::string &documentation);
+  };
+
+  /** Section `Method`. */
+  class MethodParameters : public Section
+  {
+  public:
+    std::string shape_functions = "linear";
+    std::string mapping         = "FLIP";
+    double      lumping         = 0.;
+    std::string stress_rule     = "conserving";
+    std::string wall_mapping    = "constrained";
+
+    MethodParameters();
+  };
+
+  /** Section `Output`. */
+  class OutputParameters : public Section
+  {
+  public:
+    std::string         directory      = "results";
+    bool                overwrite      = false;
+    unsigned int        frames         = 20;
+    bool                particle_files = true, grid_files = true;
+    bool                pictures = true;
+    std::vector<double> picture_times; // s; empty: chosen by the run
+
+    OutputParameters();
+
+    /** Throws ExcParameter. */
+    void
+    validate() const;
+  };
+
+  /**
+   * All parameters of a scene: one struct per section, declared for the names
+   * that the file lists, then filled from the file. Only one may exist at a
+   * time, because deal.II's ParameterAcceptor keeps a global list.
+   */
+  template <int dim>
+  class SceneParameters
+  {
+  public:
+    /** Throws ExcParameter or ExcRun for anything unknown or misspelt. */
+    explicit SceneParameters(const ParameterFile &file);
+
+    /** Print all parameters with their values and documentation. */
+    void
+    print(std::ostream &out) const;
+
+  private:
+    /** Empties ParameterAcceptor's list of what an earlier scene left. */
+    struct Cleared
+    {
+      Cleared();
+    } cleared;
+
+  public:
+    GeneralParameters                                     general;
+    GridParameters<dim>                                   grid;
+    NameList                                              material_names;
+    std::vector<std::unique_ptr<MaterialParameters<dim>>> materials;
+    NameList                                              body_names;
+    std::vector<std::unique_ptr<BodyParameters<dim>>>     bodies;
+    BoundaryParameters                                    boundary_conditions;
+    NameList                                              effect_names;
+    /** By effect name: of all effects there are, named or not. */
+    std::map<std::string, std::unique_ptr<EffectParameters<dim>>> effects;
+    MethodParameters                                              method;
+    TimeParameters                                                time;
+    SolverParameters                                              solver;
+    OutputParameters                                              output;
+  };
+
+  /** The dimension a file asks for: 2 or 3. Throws ExcParameter otherwise. */
+  unsigned int
+  dimension_of(const ParameterFile &file);
+
+  /**
+   * A file in three dimensions that names each material, shape and effect
+   * there is, so that its parameters are the reference of all parameters.
+   */
+  ParameterFile
+  reference_file();
+} // namespace emmy
+
+#endif

@@ -1,0 +1,141 @@
+#include <deal.II/base/exceptions.h>
+
+#include <emmy/output/ledger.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace emmy
+{
+  namespace
+  {
+    std::vector<std::string>
+    column_names(const StepReport &initial, const unsigned int dim)
+    {
+      std::vector<std::string> names{"step",
+                                     "time",
+                                     "time_step",
+                                     "kinetic_energy",
+                                     "kinetic_energy_grid_old",
+                                     "kinetic_energy_grid_new"};
+      for (const EnergyEntry &entry : initial.energies)
+        names.push_back(entry.name);
+      names.insert(names.end(), {"residual_work", "balance_error"});
+      for (unsigned int d = 0; d < dim; ++d)
+        names.push_back(std::string("linear_momentum_") + "xyz"[d]);
+      for (unsigned int d = (dim == 2 ? 2 : 0); d < 3; ++d)
+        names.push_back(std::string("angular_momentum_") + "xyz"[d]);
+      names.insert(names.end(),
+                   {"newton_iterations",
+                    "linear_iterations",
+                    "active_cells",
+                    "active_dofs",
+                    "particles"});
+      return names;
+    }
+  } // namespace
+
+  Ledger::Ledger(const StepReport &initial, const unsigned int dim)
+    : dim(dim)
+    , names(column_names(initial, dim))
+    , sums(initial.energies)
+  {
+    for (EnergyEntry &sum : sums)
+      sum.change = 0.;
+    StepReport first = initial;
+    first.time_step  = 0.; // no step led here
+    add(first);
+  }
+
+  void
+  Ledger::write_to(const std::string &filename)
+  {
+    file.open(filename);
+    AssertThrow(file, dealii::ExcFileNotOpen(filename));
+    file.precision(std::numeric_limits<double>::max_digits10);
+    for (unsigned int c = 0; c < names.size(); ++c)
+      file << (c ? "," : "") << names[c];
+    file << '\n';
+    for (const Row &row : all_rows)
+      write_row(row);
+  }
+
+  void
+  Ledger::add(const StepReport &report)
+  {
+    AssertDimension(report.energies.size(), sums.size());
+    balance_error += report.kinetic_energy_change - report.residual_work;
+    residual_work += report.residual_work;
+    for (unsigned int i = 0; i < sums.size(); ++i)
+      {
+        const double change = report.energies[i].change;
+        sums[i].change += change;
+        balance_error +=
+          sums[i].kind == EnergyEntry::Kind::work ? -change : change;
+      }
+
+    Row row{static_cast<double>(report.step),
+            report.time,
+            report.time_step,
+            report.totals.kinetic_energy,
+            report.kinetic_energy_grid_old,
+            report.kinetic_energy_grid_new};
+    for (const EnergyEntry &sum : sums)
+      row.push_back(sum.change);
+    row.insert(row.end(), {residual_work, balance_error});
+    for (unsigned int d = 0; d < dim; ++d)
+      row.push_back(report.totals.linear_momentum[d]);
+    for (unsigned int d = (dim == 2 ? 2 : 0); d < 3; ++d)
+      row.push_back(report.totals.angular_momentum[d]);
+    for (const auto count :
+         {static_cast<std::uint64_t>(report.newton_iterations),
+          static_cast<std::uint64_t>(report.linear_iterations),
+          report.active_cells,
+          report.active_dofs,
+          report.totals.particles})
+      row.push_back(count);
+    all_rows.push_back(row);
+    if (file.is_open())
+      write_row(row);
+  }
+
+  const std::vector<std::string> &
+  Ledger::columns() const
+  {
+    return names;
+  }
+
+  const std::vector<Ledger::Row> &
+  Ledger::rows() const
+  {
+    return all_rows;
+  }
+
+  double
+  Ledger::operator[](const std::string &column) const
+  {
+    const auto position = std::find(names.begin(), names.end(), column);
+    AssertThrow(position != names.end(),
+                dealii::ExcMessage("The ledger has no column <" + column +
+                                   ">."));
+    return all_rows.back()[position - names.begin()];
+  }
+
+  double
+  Ledger::total_energy() const
+  {
+    double total = (*this)["kinetic_energy"];
+    for (const EnergyEntry &sum : sums)
+      if (sum.kind == EnergyEntry::Kind::stored)
+        total += sum.change;
+    return total;
+  }
+
+  void
+  Ledger::write_row(const Row &row)
+  {
+    for (unsigned int c = 0; c < row.size(); ++c)
+      file << (c ? "," : "") << row[c];
+    file << '\n' << std::flush;
+  }
+} // namespace emmy

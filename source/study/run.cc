@@ -1,0 +1,164 @@
+#include <emmy/base/text.h>
+#include <emmy/output/ledger.h>
+#include <emmy/output/progress.h>
+#include <emmy/output/run_directory.h>
+#include <emmy/study/frames.h>
+#include <emmy/study/run.h>
+
+#include <unistd.h>
+
+#include <fstream>
+#include <iostream>
+#include <sstream>
+
+namespace emmy
+{
+  namespace
+  {
+    /** The sections of effects that stand in the file but are not named. */
+    template <int dim>
+    void
+    list_unused_sections(const ParameterFile        &file,
+                         const SceneParameters<dim> &parameters,
+                         std::ostream               &out)
+    {
+      const auto &named = parameters.effect_names.names;
+      for (const std::string &effect : effect_library<dim>().names())
+        if (file.has_section(effect_section(effect)) &&
+            std::find(named.begin(), named.end(), effect) == named.end())
+          out << "  note: section " << effect_section(effect)
+              << " is not used, because Effects/Names does not list <" << effect
+              << ">\n";
+    }
+
+    /** The closing lines of a run: what was conserved, and how well. */
+    void
+    summarise(std::ostream     &out,
+              const Ledger     &ledger,
+              const StepReport &initial)
+    {
+      double smallest = 0., largest = 0.;
+      for (unsigned int row = 1; row < ledger.rows().size(); ++row)
+        {
+          const double dt = ledger.rows()[row][2];
+          smallest        = row == 1 ? dt : std::min(smallest, dt);
+          largest         = std::max(largest, dt);
+        }
+      const double energy = initial.totals.kinetic_energy;
+      out << "steps " << ledger["step"] << ", t = " << ledger["time"]
+          << " s, time step " << smallest << " to " << largest << " s\n"
+          << "kinetic + stored energy " << ledger.total_energy()
+          << " J, at the start " << energy << " J\n"
+          << "balance error " << ledger["balance_error"] << " J";
+      if (energy > 0.)
+        out << ", " << std::abs(ledger["balance_error"]) / energy
+            << " of the initial energy";
+      out << '\n';
+    }
+  } // namespace
+
+  template <int dim>
+  void
+  run(const ParameterFile &file,
+      const RunOptions    &options,
+      const MPI_Comm       communicator)
+  {
+    const bool is_first =
+      dealii::Utilities::MPI::this_mpi_process(communicator) == 0;
+    // swallows everything, for all ranks but the first
+    std::ostream  nowhere(nullptr);
+    std::ostream &screen = is_first ? std::cout : nowhere;
+
+    const SceneParameters<dim> parameters(file);
+    parameters.output.validate();
+    Scene<dim> scene(parameters, communicator);
+    StepReport report = scene.stepper.initial_report();
+
+    if (options.only_check)
+      {
+        scene.describe(screen, report);
+        list_unused_sections(file, parameters, screen);
+        return;
+      }
+
+    const RunDirectory directory(parameters.output.directory,
+                                 options.overwrite ||
+                                   parameters.output.overwrite,
+                                 communicator);
+    // not open, and so mute, on all ranks but the first
+    std::ofstream log;
+    if (is_first)
+      {
+        log.open(directory.file("run.log"));
+        std::ofstream used(directory.file("parameters.prm"));
+        parameters.print(used);
+      }
+
+    std::ostringstream head;
+    head << "emmy " EMMY_VERSION ": " << directory.path() << '\n';
+    scene.describe(head, report);
+    list_unused_sections(file, parameters, head);
+    screen << head.str() << std::flush;
+    log << head.str() << std::flush;
+
+    const StepReport initial = report;
+    Ledger           ledger(initial, dim);
+    if (is_first)
+      ledger.write_to(directory.file("ledger.csv"));
+    Frames<dim> frames(scene, parameters, directory);
+    frames.initial();
+    Progress progress(screen,
+                      is_first && isatty(STDOUT_FILENO),
+                      log,
+                      parameters.time.end_time,
+                      parameters.time.maximum_steps);
+
+    // what goes wrong on the way is reported after the results so far
+    std::exception_ptr failure;
+    try
+      {
+        const TimeParameters &limits = parameters.time;
+        // a step that ends within round-off of the end time is the last
+        while (
+          report.time < limits.end_time * (1. - 1e-12) &&
+          (limits.maximum_steps == 0 || report.step < limits.maximum_steps))
+          {
+            report = scene.stepper.advance();
+            for (const std::string &note : report.notes)
+              progress.note(note);
+            ledger.add(report);
+            frames.after(report);
+            progress.step(report.step,
+                          report.time,
+                          report.time_step,
+                          report.newton_iterations,
+                          ledger["balance_error"] /
+                            std::max(ledger.total_energy(),
+                                     std::numeric_limits<double>::min()));
+          }
+      }
+    catch (...)
+      {
+        failure = std::current_exception();
+      }
+    progress.finish();
+    for (const std::string &warning : frames.finish(report))
+      progress.note(warning);
+
+    std::ostringstream tail;
+    tail << "linear solver " << scene.stepper.solver_name() << '\n';
+    summarise(tail, ledger, initial);
+    scene.phases.print(tail);
+    screen << tail.str() << std::flush;
+    log << tail.str() << std::flush;
+    scene.phases.write_json(directory.file("timing.json"));
+    if (failure)
+      std::rethrow_exception(failure);
+    screen << "results in " << directory.path() << '\n';
+  }
+
+  template void
+  run<2>(const ParameterFile &, const RunOptions &, const MPI_Comm);
+  template void
+  run<3>(const ParameterFile &, const RunOptions &, const MPI_Comm);
+} // namespace emmy

@@ -1,0 +1,185 @@
+#include <emmy/assembly/inertia.h>
+#include <emmy/assembly/internal_force.h>
+#include <emmy/base/exceptions.h>
+#include <emmy/base/text.h>
+#include <emmy/study/scene.h>
+
+#include <algorithm>
+#include <iomanip>
+#include <ostream>
+
+namespace emmy
+{
+  namespace
+  {
+    template <int dim>
+    std::vector<std::unique_ptr<Material<dim>>>
+    make_materials(const SceneParameters<dim> &parameters)
+    {
+      AssertThrow(!parameters.materials.empty(),
+                  ExcParameter("Materials",
+                               "Names",
+                               "",
+                               "at least one material is required."));
+      std::vector<std::unique_ptr<Material<dim>>> materials;
+      for (const auto &material : parameters.materials)
+        materials.push_back(material->make());
+      return materials;
+    }
+
+    template <int dim>
+    std::vector<Body<dim>>
+    make_bodies(const SceneParameters<dim>                        &parameters,
+                const std::vector<std::unique_ptr<Material<dim>>> &materials)
+    {
+      AssertThrow(
+        !parameters.bodies.empty(),
+        ExcParameter("Bodies", "Names", "", "at least one body is required."));
+      const auto            &names = parameters.material_names.names;
+      std::vector<Body<dim>> bodies;
+      for (unsigned int b = 0; b < parameters.bodies.size(); ++b)
+        {
+          const auto &body = *parameters.bodies[b];
+          const auto  position =
+            std::find(names.begin(), names.end(), body.material);
+          const std::string nearest = nearest_name(body.material, names);
+          AssertThrow(position != names.end(),
+                      ExcParameter(body.path(),
+                                   "Material",
+                                   body.material,
+                                   (nearest.empty()
+                                      ? std::string()
+                                      : "did you mean <" + nearest + ">? ") +
+                                     "It must be one of Materials/Names: " +
+                                     join(names) + "."));
+          const unsigned int material = position - names.begin();
+          bodies.push_back(make_body<dim>(parameters.body_names.names[b],
+                                          body,
+                                          material,
+                                          materials[material]->density()));
+        }
+      return bodies;
+    }
+
+    template <int dim>
+    std::vector<const Material<dim> *>
+    materials_of(const std::vector<Body<dim>>                      &bodies,
+                 const std::vector<std::unique_ptr<Material<dim>>> &materials)
+    {
+      std::vector<const Material<dim> *> result;
+      for (const Body<dim> &body : bodies)
+        result.push_back(materials[body.material].get());
+      return result;
+    }
+
+    /** Inertia, internal force, and the effects that the file names. */
+    template <int dim>
+    Effects<dim>
+    make_effects(const SceneParameters<dim>               &parameters,
+                 const std::vector<const Material<dim> *> &material_of_body,
+                 FieldLayout                              &layout)
+    {
+      Effects<dim> effects;
+      effects.terms.push_back(std::make_unique<Inertia<dim>>());
+      effects.terms.push_back(
+        std::make_unique<InternalForce<dim>>(material_of_body, layout));
+      for (const std::string &name : parameters.effect_names.names)
+        parameters.effects.at(name)->add_to(effects, layout);
+      return effects;
+    }
+  } // namespace
+
+  template <int dim>
+  Scene<dim>::Scene(const SceneParameters<dim> &parameters,
+                    const MPI_Comm              communicator)
+    : phases(communicator)
+    , grid(parameters.grid, communicator)
+    , boundary_conditions(parameters.boundary_conditions, grid)
+    , materials(make_materials(parameters))
+    , bodies(make_bodies(parameters, materials))
+    , material_of_body(materials_of(bodies, materials))
+    , layout(basic_fields(dim))
+    , balance(make_effects(parameters, material_of_body, layout))
+    , shape_functions(layout["body"])
+    , step_rule(make_step_rule(parameters.time, grid, material_of_body, layout))
+    , stepper(grid,
+              boundary_conditions,
+              layout,
+              shape_functions,
+              *step_rule,
+              balance,
+              parameters.solver,
+              parameters.time,
+              particles,
+              phases)
+    , parameters(parameters)
+  {
+    const auto scope = phases.scope("setup");
+    // a particle costs about as much as an empty cell
+    grid.repartition([this](const auto &cell) {
+      unsigned int weight = 1;
+      for (const Body<dim> &body : bodies)
+        weight += points_in_cell(body, grid, cell).size();
+      return weight;
+    });
+    particles.initialize(grid.triangulation(),
+                         grid.mapping(),
+                         layout.n_components());
+    fill(bodies, grid, layout, particles);
+  }
+
+  template <int dim>
+  void
+  Scene<dim>::describe(std::ostream &out, const StepReport &initial) const
+  {
+    const MPI_Comm communicator = grid.communicator();
+    const auto     line         = [&out](const std::string &what) -> auto &
+    {
+      return out << "  " << std::left << std::setw(22) << what;
+    };
+    line("dimension") << (dim == 2 ? "2 (plane strain)\n" : "3\n");
+    line("grid") << dealii::Patterns::Tools::to_string(grid.n_cells())
+                 << " cells, h = "
+                 << dealii::Patterns::Tools::to_string(
+                      dealii::Point<dim>(grid.cell_size()))
+                 << " m, " << grid.n_trees() << " trees\n";
+    line("ranks") << dealii::Utilities::MPI::n_mpi_processes(communicator)
+                  << '\n';
+    for (unsigned int b = 0; b < bodies.size(); ++b)
+      line("body " + bodies[b].name)
+        << parameters.material_names.names[bodies[b].material] << ", density "
+        << bodies[b].density << " kg/m^3, P-wave modulus "
+        << material_of_body[b]->p_wave_modulus() << " Pa\n";
+    line("effects") << (parameters.effect_names.names.empty()
+                          ? "none beyond inertia and internal force"
+                          : join(parameters.effect_names.names))
+                    << '\n';
+    for (const auto &[name, effect] : parameters.effects)
+      {
+        const auto &named = parameters.effect_names.names;
+        (void)effect;
+        if (std::find(named.begin(), named.end(), name) == named.end())
+          line("  not named") << name << '\n';
+      }
+    // properties, position twice (real and reference cell), id
+    const std::size_t bytes = 8 * (layout.n_components() + 2 * dim) + 4;
+    line("particles") << initial.totals.particles << ", "
+                      << layout.n_components() << " numbers each, " << bytes
+                      << " bytes, together "
+                      << bytes * initial.totals.particles / 1e6 << " MB\n";
+    line("mass") << initial.totals.mass << " kg\n";
+    line("kinetic energy") << std::setprecision(16)
+                           << initial.totals.kinetic_energy
+                           << std::setprecision(6) << " J\n";
+    line("active cells") << initial.active_cells << '\n';
+    line("unknowns") << initial.active_dofs << '\n';
+    line("first time step") << initial.time_step << " s\n";
+    line("steps") << "about "
+                  << static_cast<unsigned long>(
+                       std::ceil(parameters.time.end_time / initial.time_step))
+                  << " to t = " << parameters.time.end_time << " s\n";
+  }
+
+  template class Scene<2>;
+  template class Scene<3>;
+} // namespace emmy

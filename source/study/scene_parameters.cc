@@ -1,0 +1,251 @@
+#include <emmy/base/exceptions.h>
+#include <emmy/base/text.h>
+#include <emmy/study/scene_parameters.h>
+
+#include <algorithm>
+#include <sstream>
+
+namespace emmy
+{
+  using dealii::Patterns::Bool;
+  using dealii::Patterns::Double;
+  using dealii::Patterns::Integer;
+  using dealii::Patterns::List;
+  using dealii::Patterns::Selection;
+
+  GeneralParameters::GeneralParameters()
+    : Section("")
+  {
+    add_parameter("Dimension",
+                  dimension,
+                  "2: plane strain, per metre of thickness. 3: space. "
+                  "Required.",
+                  prm,
+                  Integer(0, 3));
+    add_parameter("Title",
+                  title,
+                  "Stands over the pictures. Empty: the output directory.");
+  }
+
+  NameList::NameList(const std::string &path, const std::string &documentation)
+    : Section(path)
+  {
+    add_parameter("Names", names, documentation);
+  }
+
+  MethodParameters::MethodParameters()
+    : Section("Method")
+  {
+    add_parameter("Shape functions",
+                  shape_functions,
+                  "linear: bi- or trilinear functions of the cell (standard "
+                  "MPM).",
+                  prm,
+                  Selection("linear"));
+    add_parameter("Mapping",
+                  mapping,
+                  "FLIP: particles take the change of the grid's velocity.",
+                  prm,
+                  Selection("FLIP"));
+    add_parameter("Lumping",
+                  lumping,
+                  "epsilon of eq. 18; 0 is the consistent mass matrix, which "
+                  "conserves energy.",
+                  prm,
+                  Double(0., 0.));
+    add_parameter("Stress rule",
+                  stress_rule,
+                  "conserving: the stress of the mid-point that balances "
+                  "energy and angular momentum.",
+                  prm,
+                  Selection("conserving"));
+    add_parameter("Wall mapping",
+                  wall_mapping,
+                  "constrained: fixed nodes have no velocity in the "
+                  "point-to-grid map either.",
+                  prm,
+                  Selection("constrained"));
+  }
+
+  OutputParameters::OutputParameters()
+    : Section("Output")
+  {
+    add_parameter("Directory",
+                  directory,
+                  "Where the results go; created if it is not there.");
+    add_parameter("Overwrite",
+                  overwrite,
+                  "Whether results of an earlier run in <Directory> may be "
+                  "replaced. Also: --overwrite.");
+    add_parameter("Frames",
+                  frames,
+                  "Number of equal parts of the run after each of which "
+                  "particle and grid files are written. 0: none.",
+                  prm,
+                  Integer(0));
+    add_parameter("Particle files",
+                  particle_files,
+                  "Whether frames have particle files (VTU).");
+    add_parameter("Grid files",
+                  grid_files,
+                  "Whether frames have files of the active grid (VTU).");
+    add_parameter("Pictures",
+                  pictures,
+                  "Whether pictures are drawn at the end, with gnuplot.");
+    add_parameter("Picture times",
+                  picture_times,
+                  "Times at which particles are drawn. Unit: s. Empty: the "
+                  "start, the end, and four times between.",
+                  prm,
+                  List(Double()));
+  }
+
+  void
+  OutputParameters::validate() const
+  {
+    AssertThrow(!directory.empty(),
+                ExcParameter(path(),
+                             "Directory",
+                             directory,
+                             "it must name a folder, e.g. results/my-run."));
+    for (const double time : picture_times)
+      AssertThrow(time >= 0.,
+                  ExcParameter(path(),
+                               "Picture times",
+                               shortest(time),
+                               "times must not be negative (s)."));
+  }
+
+  namespace
+  {
+    std::vector<std::string>
+    names_in(const ParameterFile &file, const std::string &section)
+    {
+      const auto names = dealii::Utilities::split_string_list(
+        file.value(section + "/Names", ""));
+      for (const std::string &name : names)
+        AssertThrow(std::count(names.begin(), names.end(), name) == 1 &&
+                      name.find('/') == std::string::npos,
+                    ExcParameter(section,
+                                 "Names",
+                                 join(names),
+                                 "names must differ and hold no slash."));
+      return names;
+    }
+
+    /** What the file says, or the only valid answer to a missing choice. */
+    void
+    require_choice(const std::string              &value,
+                   const std::string              &section,
+                   const std::string              &entry,
+                   const std::vector<std::string> &choices)
+    {
+      AssertThrow(!value.empty(),
+                  ExcParameter(section,
+                               entry,
+                               "",
+                               "it is required. Known are: " + join(choices) +
+                                 "."));
+    }
+  } // namespace
+
+  template <int dim>
+  SceneParameters<dim>::Cleared::Cleared()
+  {
+    dealii::ParameterAcceptor::clear();
+  }
+
+  template <int dim>
+  SceneParameters<dim>::SceneParameters(const ParameterFile &file)
+    : material_names("Materials",
+                     "Names of the materials. Each has a section of its name "
+                     "with an entry <Model>: " +
+                       join(material_library<dim>().names()) + ".")
+    , body_names("Bodies",
+                 "Names of the bodies. Each has a section of its name.")
+    , effect_names("Effects",
+                   "The effects of the scene beyond inertia and internal "
+                   "force: " +
+                     join(effect_library<dim>().names()) +
+                     ". What is not named costs nothing.")
+  {
+    // The file names things; each name brings a section, each model its
+    // parameters. The handler prints in the order of declaration.
+    for (const std::string &name : names_in(file, "Materials"))
+      {
+        const std::string section = "Materials/" + name;
+        const std::string model   = file.value(section + "/Model", "");
+        require_choice(model,
+                       section,
+                       "Model",
+                       material_library<dim>().names());
+        materials.push_back(material_library<dim>()
+                              .find(model, section, "Model")
+                              .make_parameters(section));
+      }
+    for (const std::string &name : names_in(file, "Bodies"))
+      {
+        const std::string section = "Bodies/" + name;
+        const std::string shape   = file.value(section + "/Shape", "");
+        require_choice(shape, section, "Shape", shape_library<dim>().names());
+        bodies.push_back(std::make_unique<BodyParameters<dim>>(section, shape));
+      }
+    for (const std::string &name : names_in(file, "Effects"))
+      effect_library<dim>().find(name, "Effects", "Names");
+    for (const auto &entry : effect_library<dim>().list())
+      effects[entry.name] = entry.make_parameters(effect_section(entry.name));
+
+    file.parse(dealii::ParameterAcceptor::prm);
+    dealii::ParameterAcceptor::parse_all_parameters();
+  }
+
+  template <int dim>
+  void
+  SceneParameters<dim>::print(std::ostream &out) const
+  {
+    dealii::ParameterAcceptor::prm.print_parameters(
+      out,
+      dealii::ParameterHandler::PRM |
+        dealii::ParameterHandler::KeepDeclarationOrder);
+  }
+
+  unsigned int
+  dimension_of(const ParameterFile &file)
+  {
+    const std::string dimension = file.value("Dimension", "");
+    AssertThrow(dimension == "2" || dimension == "3",
+                ExcParameter("",
+                             "Dimension",
+                             dimension,
+                             "it is required and must be 2 (plane strain) or "
+                             "3."));
+    return dimension == "2" ? 2 : 3;
+  }
+
+  ParameterFile
+  reference_file()
+  {
+    std::ostringstream       text;
+    std::vector<std::string> names;
+    text << "set Dimension = 3\nsubsection Materials\n";
+    for (const std::string &model : material_library<3>().names())
+      {
+        names.push_back("a " + model + " material");
+        text << "subsection " << names.back() << "\nset Model = " << model
+             << "\nend\n";
+      }
+    text << "set Names = " << join(names) << "\nend\nsubsection Bodies\n";
+    names.clear();
+    for (const std::string &shape : shape_library<3>().names())
+      {
+        names.push_back("a " + shape);
+        text << "subsection " << names.back() << "\nset Shape = " << shape
+             << "\nend\n";
+      }
+    text << "set Names = " << join(names) << "\nend\n";
+    return ParameterFile::from_text(text.str(), "reference");
+  }
+
+  template class SceneParameters<2>;
+  template class SceneParameters<3>;
+} // namespace emmy
