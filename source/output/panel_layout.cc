@@ -74,13 +74,13 @@ namespace emmy
     const double pad_left  = is_flat ? 0. : 3. * font;
     const double pad_right = is_flat ? 0. : 3. * font;
     const double pad_low   = is_flat ? 0. : 2.2 * font;
-
-    const double bottom     = is_flat ? 8.8 * font : 6. * font;
-    const double letters[2] = {
-      double(gnuplot::longest_number(picture.lower[0], picture.upper[0])),
-      double(gnuplot::longest_number(picture.lower[1], picture.upper[1]))};
-    left               = is_flat ? (3.6 + 0.6 * letters[1]) * font : font;
-    const double right = is_flat ? (0.6 + 0.3 * letters[0]) * font : font;
+    const double bottom    = is_flat ? 8.8 * font : 6. * font;
+    const double letters_x =
+      gnuplot::longest_number(picture.lower[0], picture.upper[0]);
+    const double letters_y =
+      gnuplot::longest_number(picture.lower[1], picture.upper[1]);
+    const double right = is_flat ? (0.6 + 0.3 * letters_x) * font : font;
+    left               = is_flat ? (3.6 + 0.6 * letters_y) * font : font;
     top                = (picture.title.empty() ? 2. : 4.) * font;
     column_gap         = 1.4 * font;
     row_gap            = 2. * font;

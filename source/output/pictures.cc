@@ -352,7 +352,7 @@ namespace emmy
         const bool   is_any  = lowest[d] <= highest[d];
         const double from    = is_any ? lowest[d] : grid_lower[d];
         const double to      = is_any ? highest[d] : grid_upper[d];
-        const double margin  = 0.04 * (to - from);
+        const double margin  = std::max(0.04 * (to - from), 0.1 * h);
         const auto   on_line = [&](const double x) {
           return std::clamp(grid_lower[d] + h * x,
                             grid_lower[d],
@@ -362,6 +362,11 @@ namespace emmy
           on_line(std::floor((from - margin - grid_lower[d]) / h + 1e-9));
         particles.upper[d] =
           on_line(std::ceil((to + margin - grid_lower[d]) / h - 1e-9));
+        if (particles.upper[d] <= particles.lower[d]) // all are outside
+          {
+            particles.lower[d] = grid_lower[d];
+            particles.upper[d] = grid_upper[d];
+          }
       }
     if (particles.spacing == 0.)
       particles.spacing = 0.1 * particles.cell_size[0];

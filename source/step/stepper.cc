@@ -67,8 +67,8 @@ namespace emmy
         const StepData<dim> step{
           stencils, points, *start, time, solution.time_step};
         solution.equation     = balance.over(step);
-        solution.displacement = start->velocity;
-        solution.displacement *= step.time_step; // exact in free flight
+        solution.displacement = start->mean_velocity;
+        solution.displacement *= step.time_step;
 
         solution.newton = Newton(solver_parameters, *linear_solver, phases)
                             .solve(*solution.equation, solution.displacement);

@@ -44,8 +44,8 @@ namespace emmy
                                                   boundary_conditions);
         start.mass.reinit(start.active->sparsity());
         start.damped_mass.reinit(start.active->sparsity());
-        start.momentum = start.active->make_vector();
-        start.velocity = start.active->make_vector();
+        start.momentum      = start.active->make_vector();
+        start.mean_velocity = start.active->make_vector();
       }
     assemble_mass(stencils, points);
     assemble_momentum(stencils, points);
@@ -90,14 +90,17 @@ namespace emmy
         start.mass.add(dofs, cell_mass);
 
         // the row sums of the cell's matrix are its lumped mass
+        double group_mass = 0.;
         for (unsigned int i = 0; i < dim * n; ++i)
           {
             row_sums[i] = 0.;
             for (unsigned int j = i % dim; j < dim * n; j += dim)
               row_sums[i] += cell_mass(i, j);
+            group_mass += row_sums[i] / dim;
           }
+        // the second part is for nodes with S = 0 at all points
         for (unsigned int i = 0; i < dim * n; ++i)
-          cell_mass(i, i) += mass_damping * row_sums[i];
+          cell_mass(i, i) += mass_damping * (row_sums[i] + 1e-6 * group_mass);
         active.constraints().distribute_local_to_global(cell_mass,
                                                         dofs,
                                                         start.damped_mass);
@@ -113,23 +116,41 @@ namespace emmy
   {
     const ActiveGrid<dim> &active = *start.active;
     const double          *mass   = points.component(mass_component);
-    std::vector<double>    momentum(dim * active.n_local_nodes());
+    // a node on whose far side a particle lies exactly has S = 0, but a mean
+    constexpr double    least_weight = 1e-12;
+    const unsigned int  n_local      = dim * active.n_local_nodes();
+    std::vector<double> momentum(n_local), weighted_velocity(n_local),
+      weights(n_local);
     for (const auto &group : stencils.groups)
       for (unsigned int a = 0; a < group.n_nodes; ++a)
         {
           const double *S = stencils.value(group, a);
+          const double *m = mass + group.first_point;
           for (unsigned int c = 0; c < dim; ++c)
             {
-              const double *v   = points.component(velocity_component + c);
-              double        sum = 0.;
+              const double *v =
+                points.component(velocity_component + c) + group.first_point;
+              const unsigned int i = dim * active.nodes(group)[a] + c;
               for (unsigned int p = 0; p < group.n_points; ++p)
-                sum +=
-                  mass[group.first_point + p] * S[p] * v[group.first_point + p];
-              momentum[dim * active.nodes(group)[a] + c] += sum;
+                {
+                  const double weight = m[p] * (S[p] + least_weight);
+                  momentum[i] += m[p] * S[p] * v[p];
+                  weighted_velocity[i] += weight * v[p];
+                  weights[i] += weight;
+                }
             }
         }
     start.momentum = 0.;
     active.add(momentum, start.momentum);
+
+    Vector total_weight = active.make_vector();
+    active.add(weights, total_weight);
+    start.mean_velocity = 0.;
+    active.add(weighted_velocity, start.mean_velocity);
+    auto weight = total_weight.begin();
+    for (double &v : start.mean_velocity)
+      v /= *weight++;
+    active.constraints().set_zero(start.mean_velocity);
   }
 
   template PointArrays<2>

@@ -40,6 +40,13 @@ namespace emmy
     Matrix damped_mass;
     /** Momentum p_A = sum m_p S_Ap v_p, kg m/s. */
     Vector momentum;
+    /**
+     * Mean velocity of the particles that reach a node, weighted with m_p S_Ap
+     * and zero on constrained unknowns, m/s. Newton starts from it: exact in
+     * free flight, and bounded where v_t, which extrapolates from few
+     * particles, is not.
+     */
+    Vector mean_velocity;
     /** Velocity v_t that solves M~ v = p under the constraints, m/s. */
     Vector velocity;
   };
@@ -69,6 +76,7 @@ namespace emmy
     void
     assemble_mass(const Stencils<dim>    &stencils,
                   const PointArrays<dim> &points);
+    /** Momentum and mean velocity. */
     void
     assemble_momentum(const Stencils<dim>    &stencils,
                       const PointArrays<dim> &points);
