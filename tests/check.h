@@ -26,10 +26,10 @@ namespace emmy
     {
       ++n_checks;
       if (!fact)
-      {
-        ++n_failed;
-        std::cout << "FAILED: " << what << std::endl;
-      }
+        {
+          ++n_failed;
+          std::cout << "FAILED: " << what << std::endl;
+        }
     }
 
     /** |a-b| must not exceed @p tolerance, an absolute one. NaN fails. */
@@ -66,13 +66,13 @@ namespace emmy
 
       std::string message;
       try
-      {
-        function();
-      }
+        {
+          function();
+        }
       catch (const std::exception &error)
-      {
-        message = error.what();
-      }
+        {
+          message = error.what();
+        }
       check(!message.empty(),
             "no exception, expected <" + (texts.empty() ? "" : texts[0]) + ">");
       if (message.empty())

@@ -136,9 +136,7 @@ main(int argc, char *argv[])
     if (is_first)
       {
         std::cout << std::flush;
-        std::cerr << "\nemmy: error: ";
-        error.print_info(std::cerr);
-        std::cerr << std::flush;
+        std::cerr << "\nemmy: error: " << emmy::message_of(error) << std::endl;
       }
     return 1;
   };

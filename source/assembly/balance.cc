@@ -5,6 +5,16 @@
 
 namespace emmy
 {
+  double
+  absolute_product(const Vector &a, const Vector &b)
+  {
+    double sum = 0.;
+    auto   j   = b.begin();
+    for (auto i = a.begin(); i != a.end(); ++i, ++j)
+      sum += std::abs(*i) * std::abs(*j);
+    return dealii::Utilities::MPI::sum(sum, a.get_mpi_communicator());
+  }
+
   template <int dim>
   Balance<dim>::Balance(Effects<dim> effects)
     : effects(std::move(effects))
@@ -63,6 +73,7 @@ namespace emmy
     full_residual -= external_force;
     force_scale = std::max(external_force.l2_norm(),
                            2. / step.time_step * step.start.momentum.l2_norm());
+    total_work  = absolute_product(external_force, solution);
     if (with_jacobian)
       tangent = 0.;
     Vector force = active.make_vector();
@@ -78,6 +89,7 @@ namespace emmy
           return false;
         full_residual += force;
         force_scale = std::max(force_scale, force.l2_norm());
+        total_work += absolute_product(force, solution);
       }
     if (with_jacobian)
       tangent.compress(dealii::VectorOperation::add);
@@ -106,6 +118,13 @@ namespace emmy
   StepEquation<dim>::scale() const
   {
     return force_scale;
+  }
+
+  template <int dim>
+  double
+  StepEquation<dim>::work_scale() const
+  {
+    return total_work;
   }
 
   template <int dim>

@@ -138,7 +138,10 @@ namespace emmy
            (is_section ? "Known sections " : "Known ") +
            (home.empty() ? "at the top level"
                          : "in <" + join(home, "/") + ">") +
-           ": " + (known.empty() ? "none" : join(known)) + ".";
+           ": " + (known.empty() ? "none" : join(known)) + "." +
+           (is_section && find(home, "Names", false)
+              ? " A new name must stand in <" + join(home, "/") + "/Names>."
+              : "");
   }
 
 

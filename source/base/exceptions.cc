@@ -1,7 +1,19 @@
+#include <deal.II/base/utilities.h>
+
 #include <emmy/base/exceptions.h>
+
+#include <sstream>
 
 namespace emmy
 {
+  std::string
+  message_of(const dealii::ExceptionBase &error)
+  {
+    std::ostringstream text;
+    error.print_info(text);
+    return dealii::Utilities::trim(text.str());
+  }
+
   std::string
   agree_on_problem(const MPI_Comm communicator, const std::string &problem)
   {

@@ -326,9 +326,7 @@ namespace emmy
           }
         catch (const dealii::ExceptionBase &error) // from the entry's action
           {
-            std::ostringstream text;
-            error.print_info(text);
-            problems.push_back({where, what, trim(text.str())});
+            problems.push_back({where, what, message_of(error)});
           }
         catch (const std::exception &error)
           {

@@ -218,10 +218,25 @@ namespace emmy
   BackgroundGrid<dim>::contains(const dealii::Point<dim> &position) const
   {
     for (unsigned int d = 0; d < dim; ++d)
-      if (!(position[d] >= lower[d] - 1e-12 * h[d] &&
-            position[d] <= upper[d] + 1e-12 * h[d]))
-        return false;
+      {
+        const double tolerance =
+          1e-13 * std::max(std::abs(lower[d]), std::abs(upper[d]));
+        // written so that NaN is outside
+        if (!(position[d] >= lower[d] - tolerance &&
+              position[d] <= upper[d] + tolerance))
+          return false;
+      }
     return true;
+  }
+
+  template <int dim>
+  dealii::Point<dim>
+  BackgroundGrid<dim>::clamped(const dealii::Point<dim> &position) const
+  {
+    dealii::Point<dim> result;
+    for (unsigned int d = 0; d < dim; ++d)
+      result[d] = std::min(std::max(position[d], lower[d]), upper[d]);
+    return result;
   }
 
   template class GridParameters<2>;

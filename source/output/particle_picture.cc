@@ -107,15 +107,17 @@ namespace emmy
           const double last  = std::floor(b[d] / step + 1e-9);
           // On a short axis there is room for one number. Where axes meet the
           // number of the vertical one is enough.
-          const bool is_short = length * step / (b[d] - a[d]) < 2.5 * font;
+          const bool is_short =
+            length * step / (b[d] - a[d]) < (d == 2 ? 1.5 : 2.5) * font;
           for (double i = is_short ? last : first; i <= last; ++i)
             if (d == 2 || (i * step - a[d]) * layout.pixels_per_metre > font)
               write_label(d,
                           i * step,
                           "'" + gnuplot::number(i * step) + "'",
                           numbers[d]);
-          // The name stands between the last two numbers.
-          write_label(d, std::max((last - 0.5) * step, a[d]), "", names[d]);
+          // The name stands between the last two numbers, or before the only
+          // one.
+          write_label(d, is_short ? a[d] : (last - 0.5) * step, "", names[d]);
         }
     }
 

@@ -10,6 +10,7 @@
 #include <iomanip>
 #include <limits>
 #include <numeric>
+#include <tuple>
 
 namespace emmy
 {
@@ -130,9 +131,9 @@ namespace emmy
   {
     std::error_code ignored; // the first file that cannot be written tells
     fs::create_directory(folder, ignored);
-    particles.spacing  = 0.; // not known yet
-    particles.smallest = std::numeric_limits<double>::max();
-    particles.largest  = -std::numeric_limits<double>::max();
+    particles.spacing = 0.; // not known yet
+    // Energies are not negative: let their colours start at zero.
+    particles.smallest = particles.largest = 0.;
   }
 
 
@@ -338,10 +339,6 @@ namespace emmy
     particles.title       = title;
     particles.value_label = value_label;
 
-    // Energies are not negative; let their colours start at zero.
-    if (particles.smallest > particles.largest)
-      particles.smallest = particles.largest = 0.; // no values at all
-    particles.smallest = std::min(particles.smallest, 0.);
     if (particles.largest <= particles.smallest)
       particles.largest = particles.smallest + 1.;
 
@@ -363,10 +360,8 @@ namespace emmy
         particles.upper[d] =
           on_line(std::ceil((to + margin - grid_lower[d]) / h - 1e-9));
         if (particles.upper[d] <= particles.lower[d]) // all are outside
-          {
-            particles.lower[d] = grid_lower[d];
-            particles.upper[d] = grid_upper[d];
-          }
+          std::tie(particles.lower[d], particles.upper[d]) =
+            std::make_pair(grid_lower[d], grid_upper[d]);
       }
     if (particles.spacing == 0.)
       particles.spacing = 0.1 * particles.cell_size[0];

@@ -1,6 +1,9 @@
 #include <emmy/base/collective.h>
 #include <emmy/base/exceptions.h>
+#include <emmy/base/formula.h>
 #include <emmy/particles/body.h>
+
+#include <cmath>
 
 namespace emmy
 {
@@ -76,33 +79,20 @@ namespace emmy
     body.density              = density;
     body.points_per_direction = parameters.points_per_direction;
     body.shape                = parameters.shape().make();
-    body.initial_velocity = std::make_unique<dealii::FunctionParser<dim>>(dim);
 
     std::string text = parameters.initial_velocity;
     if (dealii::Utilities::trim(text).empty())
       for (unsigned int d = 0; d < dim; ++d)
         text += d == 0 ? "0" : ";0";
-    try
-      {
-        body.initial_velocity->initialize(
-          dealii::FunctionParser<dim>::default_variable_names(),
-          text,
-          std::map<std::string, double>{{"pi", dealii::numbers::PI}});
-        body.initial_velocity->value(Point<dim>());
-      }
-    catch (const std::exception &)
-      {
-        AssertThrow(
-          false,
-          ExcParameter(parameters.path(),
-                       "Initial velocity",
-                       text,
-                       "it cannot be read. Write " + std::to_string(dim) +
-                         " components separated by ;, each a formula in " +
-                         dealii::FunctionParser<dim>::default_variable_names() +
-                         ", e.g. " + (dim == 2 ? "0.75; 0" : "0.75; 0; 0") +
-                         "."));
-      }
+    body.initial_velocity = read_formulas<dim>(
+      text,
+      dim,
+      parameters.path(),
+      "Initial velocity",
+      "Write " + std::to_string(dim) +
+        " components separated by ;, each a formula in " +
+        dealii::FunctionParser<dim>::default_variable_names() + ", e.g. " +
+        (dim == 2 ? "0.75; 0" : "0.75; 0; 0") + ".");
     return body;
   }
 
@@ -231,6 +221,7 @@ namespace emmy
                        body              = layout["body"];
     const dealii::Tensor<1, dim> &h      = grid.cell_size();
     std::vector<double>           values = layout.initial_values();
+    std::string                   wrong_velocity;
     particles.reserve(n_local);
     for (const Filling &filling : fillings)
       {
@@ -243,7 +234,14 @@ namespace emmy
         for (const Point<dim> &point : filling.points)
           {
             for (unsigned int d = 0; d < dim; ++d)
-              values[velocity + d] = from.initial_velocity->value(point, d);
+              {
+                values[velocity + d] = from.initial_velocity->value(point, d);
+                if (!std::isfinite(values[velocity + d]))
+                  wrong_velocity =
+                    "the initial velocity of body <" + from.name + "> is " +
+                    shortest(values[velocity + d]) + " m/s at (" +
+                    dealii::Patterns::Tools::to_string(point) + ") m";
+              }
             Point<dim> reference;
             for (unsigned int d = 0; d < dim; ++d)
               reference[d] = (point[d] - filling.cell->vertex(0)[d]) / h[d];
@@ -255,6 +253,11 @@ namespace emmy
               dealii::ArrayView<const double>(values.data(), values.size()));
           }
       }
+    throw_together(communicator,
+                   "Bodies",
+                   wrong_velocity,
+                   "correct its Initial velocity, which must be finite at "
+                   "every particle.");
     particles.update_cached_numbers();
   }
 

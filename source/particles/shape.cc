@@ -1,5 +1,4 @@
-#include <deal.II/base/function_parser.h>
-
+#include <emmy/base/formula.h>
 #include <emmy/particles/shape.h>
 
 #include <limits>
@@ -258,34 +257,20 @@ namespace emmy
     {
     public:
       Expression(const std::string &section, const std::string &text)
-      {
-        try
-          {
-            function.initialize(
-              dealii::FunctionParser<dim>::default_variable_names(),
-              text,
-              std::map<std::string, double>{{"pi", dealii::numbers::PI}});
-            function.value(Point<dim>());
-          }
-        catch (const std::exception &)
-          {
-            AssertThrow(
-              false,
-              ExcParameter(
-                section,
-                "Expression",
-                text,
-                "it cannot be read. Write a formula in " +
-                  dealii::FunctionParser<dim>::default_variable_names() +
-                  " that is positive inside the body, "
-                  "e.g. 1 - x^2 - y^2."));
-          }
-      }
+        : function(read_formulas<dim>(
+            text,
+            1,
+            section,
+            "Expression",
+            "Write a formula in " +
+              dealii::FunctionParser<dim>::default_variable_names() +
+              " that is positive inside the body, e.g. 1 - x^2 - y^2."))
+      {}
 
       bool
       contains(const Point<dim> &position) const override
       {
-        return function.value(position) > 0.;
+        return function->value(position) > 0.;
       }
 
       BoundingBox<dim>
@@ -301,7 +286,7 @@ namespace emmy
       }
 
     private:
-      dealii::FunctionParser<dim> function;
+      std::unique_ptr<dealii::FunctionParser<dim>> function;
     };
 
     template <int dim>

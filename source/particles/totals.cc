@@ -1,18 +1,45 @@
 #include <emmy/particles/totals.h>
 
 #include <array>
+#include <cmath>
 
 namespace emmy
 {
+  namespace
+  {
+    /** Compensated sum (Neumaier): its error does not grow with the length. */
+    class Sum
+    {
+    public:
+      void
+      operator+=(const double term)
+      {
+        const double next = sum + term;
+        correction += std::abs(sum) >= std::abs(term) ? (sum - next) + term
+                                                      : (term - next) + sum;
+        sum = next;
+      }
+
+      double
+      value() const
+      {
+        return sum + correction;
+      }
+
+    private:
+      double sum = 0., correction = 0.;
+    };
+  } // namespace
+
   template <int dim>
   Totals
   measure(const PointArrays<dim> &points,
           const FieldLayout      &layout,
           const MPI_Comm          communicator)
   {
-    const double         *mass     = points.component(layout["mass"]);
-    const unsigned int    velocity = layout["velocity"];
-    std::array<double, 8> sums{};
+    const double      *mass     = points.component(layout["mass"]);
+    const unsigned int velocity = layout["velocity"];
+    std::array<Sum, 8> local_sums;
     for (std::size_t p = 0; p < points.n_points(); ++p)
       {
         std::array<double, 3> x{}, momentum{};
@@ -21,16 +48,18 @@ namespace emmy
             const double v = points.component(velocity + d)[p];
             x[d]           = points.position(d)[p];
             momentum[d]    = mass[p] * v;
-            sums[1] += 0.5 * momentum[d] * v;
-            sums[2 + d] += momentum[d];
+            local_sums[1] += 0.5 * momentum[d] * v;
+            local_sums[2 + d] += momentum[d];
           }
-        sums[0] += mass[p];
-        sums[5] += x[1] * momentum[2] - x[2] * momentum[1];
-        sums[6] += x[2] * momentum[0] - x[0] * momentum[2];
-        sums[7] += x[0] * momentum[1] - x[1] * momentum[0];
+        local_sums[0] += mass[p];
+        local_sums[5] += x[1] * momentum[2] - x[2] * momentum[1];
+        local_sums[6] += x[2] * momentum[0] - x[0] * momentum[2];
+        local_sums[7] += x[0] * momentum[1] - x[1] * momentum[0];
       }
-    for (double &sum : sums)
-      sum = dealii::Utilities::MPI::sum(sum, communicator);
+    std::array<double, 8> sums;
+    for (unsigned int i = 0; i < sums.size(); ++i)
+      sums[i] =
+        dealii::Utilities::MPI::sum(local_sums[i].value(), communicator);
 
     Totals totals;
     totals.particles =

@@ -5,19 +5,11 @@ namespace emmy
 {
   namespace
   {
-    /** |r| below this fraction of the forces is round-off. */
-    constexpr double round_off = 1e-12;
-
-    /** sum |a_i||b_i|. */
-    double
-    absolute_product(const Vector &a, const Vector &b)
-    {
-      double sum = 0.;
-      auto   j   = b.begin();
-      for (auto i = a.begin(); i != a.end(); ++i, ++j)
-        sum += std::abs(*i) * std::abs(*j);
-      return dealii::Utilities::MPI::sum(sum, a.get_mpi_communicator());
-    }
+    /** |r| below this fraction of the forces is round-off, ... */
+    constexpr double force_round_off = 1e-12;
+    /** ... if its work is so too. At nodes that few particles reach, small
+        forces can do much work. */
+    constexpr double work_round_off = 1e-14;
   } // namespace
 
   Newton::Newton(const SolverParameters &parameters,
@@ -47,13 +39,14 @@ namespace emmy
       }
     double norm = equation.residual().l2_norm();
     result.residual_history.push_back(norm);
-    if (norm <= round_off * equation.scale())
+    if (norm <= force_round_off * equation.scale())
       {
         result.is_converged = true;
         return result;
       }
 
     Vector increment(solution), right_side(solution);
+    double reference = 0.; // for sum |r||du|
     while (result.iterations < maximum_iterations)
       {
         right_side.equ(-1., equation.residual());
@@ -71,6 +64,11 @@ namespace emmy
             }
         }
         ++result.iterations;
+
+        // The first increment may be wild at nodes that few particles reach;
+        // then the first |r||du| of the paper is no measure, but this is.
+        if (result.iterations == 1)
+          reference = absolute_product(right_side, increment);
 
         solution += increment;
         bool has_meaning = evaluate();
@@ -90,9 +88,11 @@ namespace emmy
         result.residual_history.push_back(norm);
         result.work_history.push_back(
           absolute_product(equation.residual(), increment));
-        if (result.work_history.back() <
-              tolerance * result.work_history.front() ||
-            norm <= round_off * equation.scale())
+        reference         = std::min(reference, result.work_history.front());
+        const double work = result.work_history.back();
+        if (work < tolerance * reference ||
+            (norm <= force_round_off * equation.scale() &&
+             work <= work_round_off * equation.work_scale()))
           {
             result.is_converged = true;
             return result;

@@ -31,9 +31,12 @@ namespace emmy
     , directory(directory)
     , communicator(scene.grid.communicator())
     , is_first(dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
-    , pictures(directory.path(),
-               parameters.general.title.empty() ? directory.path()
+    , pictures(wanted.pictures
+                 ? std::make_unique<Pictures>(directory.path(),
+                                              parameters.general.title.empty()
+                                                ? directory.path()
                                                 : parameters.general.title)
+                 : nullptr)
     , particle_series(directory.path(), "particles", communicator)
     , grid_series(directory.path(), "grid", communicator)
     , picture_times(wanted.picture_times.empty()
@@ -50,7 +53,9 @@ namespace emmy
     // the grid has no motion yet, so there is no grid file
     if (wanted.frames > 0)
       write_files(0., /*with_grid=*/false);
-    if (wanted.pictures && picture_times.front() <= 0.)
+    while (n_pictures < picture_times.size() && picture_times[n_pictures] <= 0.)
+      ++n_pictures;
+    if (pictures && n_pictures > 0)
       take_picture(0.);
   }
 
@@ -66,25 +71,28 @@ namespace emmy
         n_intervals = due;
         write_files(report.time, /*with_grid=*/true);
       }
-    const bool picture_is_due =
-      n_pictures < picture_times.size() &&
-      report.time >= picture_times[n_pictures] * (1. - 1e-12);
-    if (wanted.pictures && picture_is_due)
+    // the step that ends nearest to a wanted time
+    const double reached           = report.time + 0.5 * report.time_step;
+    const auto   n_pictures_so_far = n_pictures;
+    while (n_pictures < picture_times.size() &&
+           picture_times[n_pictures] <= reached)
+      ++n_pictures;
+    if (pictures && n_pictures > n_pictures_so_far)
       take_picture(report.time);
   }
 
   template <int dim>
   std::vector<std::string>
-  Frames<dim>::finish(const StepReport &last)
+  Frames<dim>::finish(const StepReport &last, const bool is_complete)
   {
     const auto scope = scene.phases.scope("pictures");
     if (wanted.frames > 0 && last_frame < last.time)
-      write_files(last.time, /*with_grid=*/true);
-    if (!wanted.pictures)
+      write_files(last.time, /*with_grid=*/is_complete);
+    if (!pictures)
       return {};
     if (last_picture < last.time && wanted.picture_times.empty())
       take_picture(last.time);
-    return is_first ? pictures.draw() : std::vector<std::string>();
+    return is_first ? pictures->draw() : std::vector<std::string>();
   }
 
   template <int dim>
@@ -183,9 +191,6 @@ namespace emmy
   void
   Frames<dim>::take_picture(const double time)
   {
-    while (n_pictures < picture_times.size() &&
-           picture_times[n_pictures] * (1. - 1e-12) <= time)
-      ++n_pictures;
     last_picture = time;
 
     const std::size_t stride =
@@ -214,12 +219,12 @@ namespace emmy
                       all_values[rank].begin(),
                       all_values[rank].end());
       }
-    pictures.add_snapshot<dim>(time,
-                               positions,
-                               values,
-                               scene.grid.lower_corner(),
-                               scene.grid.upper_corner(),
-                               scene.grid.n_cells());
+    pictures->add_snapshot<dim>(time,
+                                positions,
+                                values,
+                                scene.grid.lower_corner(),
+                                scene.grid.upper_corner(),
+                                scene.grid.n_cells());
   }
 
   template class Frames<2>;

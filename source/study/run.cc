@@ -1,3 +1,4 @@
+#include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
 #include <emmy/output/ledger.h>
 #include <emmy/output/progress.h>
@@ -71,6 +72,7 @@ namespace emmy
 
     const SceneParameters<dim> parameters(file);
     parameters.output.validate();
+    parameters.solver.validate(); // not only when the first step needs it
     Scene<dim> scene(parameters, communicator);
     StepReport report = scene.stepper.initial_report();
 
@@ -113,7 +115,9 @@ namespace emmy
                       parameters.time.end_time,
                       parameters.time.maximum_steps);
 
-    // what goes wrong on the way is reported after the results so far
+    // What goes wrong on the way is reported after the results so far. All
+    // ranks throw it together; any other error passes, as one rank alone can
+    // not finish the output.
     std::exception_ptr failure;
     try
       {
@@ -137,12 +141,14 @@ namespace emmy
                                      std::numeric_limits<double>::min()));
           }
       }
-    catch (...)
+    catch (const ExcRun &error)
       {
         failure = std::current_exception();
+        log << "stopped: " << message_of(error) << std::endl;
       }
     progress.finish();
-    for (const std::string &warning : frames.finish(report))
+    for (const std::string &warning :
+         frames.finish(report, /*is_complete=*/!failure))
       progress.note(warning);
 
     std::ostringstream tail;

@@ -230,7 +230,7 @@ namespace emmy
     text << "set Dimension = 3\nsubsection Materials\n";
     for (const std::string &model : material_library<3>().names())
       {
-        names.push_back("a " + model + " material");
+        names.push_back("the " + model + " material");
         text << "subsection " << names.back() << "\nset Model = " << model
              << "\nend\n";
       }
@@ -238,7 +238,7 @@ namespace emmy
     names.clear();
     for (const std::string &shape : shape_library<3>().names())
       {
-        names.push_back("a " + shape);
+        names.push_back("the " + shape);
         text << "subsection " << names.back() << "\nset Shape = " << shape
              << "\nend\n";
       }

@@ -165,7 +165,9 @@ namespace emmy
   void
   ActiveGrid<dim>::make_sparsity(const Stencils<dim> &stencils)
   {
-    const unsigned int longest_row = dim * dealii::Utilities::pow(3, dim);
+    // deal.II 9.4 refuses a row length on a rank that owns no row
+    const unsigned int longest_row =
+      owned_dofs.n_elements() > 0 ? dim * dealii::Utilities::pow(3, dim) : 0;
     pattern.reinit(
       owned_dofs, owned_dofs, known_dofs, communicator(), longest_row);
     std::vector<global_dof_index> dofs;

@@ -58,20 +58,11 @@ namespace emmy
 
   template <int dim>
   void
-  grid_to_particles(const Stencils<dim>                     &stencils,
-                    const PointArrays<dim>                  &accepted,
-                    const FieldLayout                       &layout,
-                    const BackgroundGrid<dim>               &grid,
-                    dealii::Particles::ParticleHandler<dim> &particles)
+  sort_into_cells(const BackgroundGrid<dim>               &grid,
+                  dealii::Particles::ParticleHandler<dim> &particles)
   {
-    for (std::size_t p = 0; p < accepted.n_points(); ++p)
-      {
-        auto       particle   = stencils.particles[p];
-        const auto properties = particle->get_properties();
-        for (unsigned int c = 0; c < layout.n_components(); ++c)
-          properties[c] = accepted.component(c)[p];
-        particle->set_location(accepted.point(p));
-      }
+    for (auto &particle : particles)
+      particle.set_location(grid.clamped(particle.get_location()));
 
     // deal.II looks for a particle's new cell on the owned and ghost cells.
     // One that went farther is caught here and handed to its rank.
@@ -107,6 +98,25 @@ namespace emmy
                          " found no cell",
                    "this should not happen; please report it with the "
                    "parameter file.");
+  }
+
+  template <int dim>
+  void
+  grid_to_particles(const Stencils<dim>                     &stencils,
+                    const PointArrays<dim>                  &accepted,
+                    const FieldLayout                       &layout,
+                    const BackgroundGrid<dim>               &grid,
+                    dealii::Particles::ParticleHandler<dim> &particles)
+  {
+    for (std::size_t p = 0; p < accepted.n_points(); ++p)
+      {
+        auto       particle   = stencils.particles[p];
+        const auto properties = particle->get_properties();
+        for (unsigned int c = 0; c < layout.n_components(); ++c)
+          properties[c] = accepted.component(c)[p];
+        particle->set_location(accepted.point(p));
+      }
+    sort_into_cells(grid, particles);
   }
 
 #define INSTANTIATE(dim)                                             \

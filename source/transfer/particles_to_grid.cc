@@ -98,9 +98,10 @@ namespace emmy
               row_sums[i] += cell_mass(i, j);
             group_mass += row_sums[i] / dim;
           }
-        // the second part is for nodes with S = 0 at all points
+        // the second part is for nodes with S = 0 at all points; it must be
+        // far below any S^2 that is not zero
         for (unsigned int i = 0; i < dim * n; ++i)
-          cell_mass(i, i) += mass_damping * (row_sums[i] + 1e-6 * group_mass);
+          cell_mass(i, i) += mass_damping * row_sums[i] + 1e-30 * group_mass;
         active.constraints().distribute_local_to_global(cell_mass,
                                                         dofs,
                                                         start.damped_mass);

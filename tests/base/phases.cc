@@ -52,17 +52,17 @@ namespace
 
     double least = 1.;
     for (unsigned int attempt = 0; attempt < 10; ++attempt)
-    {
-      constexpr unsigned int n     = 10000;
-      const auto             start = std::chrono::steady_clock::now();
-      for (unsigned int i = 0; i < n; ++i)
-        const auto timed = phases.scope("a phase that costs nothing");
-      least = std::min(least,
-                       std::chrono::duration<double>(
-                         std::chrono::steady_clock::now() - start)
-                           .count() /
-                         n);
-    }
+      {
+        constexpr unsigned int n     = 10000;
+        const auto             start = std::chrono::steady_clock::now();
+        for (unsigned int i = 0; i < n; ++i)
+          const auto timed = phases.scope("a phase that costs nothing");
+        least = std::min(least,
+                         std::chrono::duration<double>(
+                           std::chrono::steady_clock::now() - start)
+                             .count() /
+                           n);
+      }
     check(least < 1e-6, "timing a phase costs less than a microsecond");
 
     const auto rows = phases.rows();

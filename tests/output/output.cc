@@ -79,62 +79,64 @@ namespace
     Series            cell_series(folder, cells, world);
 
     for (unsigned int frame = 0; frame < 2; ++frame)
-    {
-      DataFile<0, dim> point_file(fields);
-      check(point_file.n_values() == 1 + dim + (dim == 2 ? 4 : 6),
-            "a value for each component");
-      DataFile<dim, dim>        cell_file({{"momentum", dim, "N s", "nodal"}});
-      const std::vector<double> values(point_file.n_values(), 0.5);
-      const std::vector<double> nodal(cell_file.n_vertices * dim, 0.25);
-      if (rank() == 0)
       {
-        for (unsigned int i = 0; i < 5; ++i)
-          point_file.add_point(Point<dim>::unit_vector(0) * i, values);
-        auto vertices =
-          std::array<Point<dim>, DataFile<dim, dim>::n_vertices>();
-        for (unsigned int v = 0; v < vertices.size(); ++v)
-          vertices[v] = dealii::GeometryInfo<dim>::unit_cell_vertex(v);
-        cell_file.add_cell(vertices, nodal);
+        DataFile<0, dim> point_file(fields);
+        check(point_file.n_values() == 1 + dim + (dim == 2 ? 4 : 6),
+              "a value for each component");
+        DataFile<dim, dim> cell_file({{"momentum", dim, "N s", "nodal"}});
+        const std::vector<double> values(point_file.n_values(), 0.5);
+        const std::vector<double> nodal(cell_file.n_vertices * dim, 0.25);
+        if (rank() == 0)
+          {
+            for (unsigned int i = 0; i < 5; ++i)
+              point_file.add_point(Point<dim>::unit_vector(0) * i, values);
+            auto vertices =
+              std::array<Point<dim>, DataFile<dim, dim>::n_vertices>();
+            for (unsigned int v = 0; v < vertices.size(); ++v)
+              vertices[v] = dealii::GeometryInfo<dim>::unit_cell_vertex(v);
+            cell_file.add_cell(vertices, nodal);
+          }
+        const double time = 0.5 * frame;
+        point_series.add(time,
+                         point_file.write(folder, points, frame, time, world));
+        cell_series.add(time,
+                        cell_file.write(folder, cells, frame, time, world));
       }
-      const double time = 0.5 * frame;
-      point_series.add(time,
-                       point_file.write(folder, points, frame, time, world));
-      cell_series.add(time, cell_file.write(folder, cells, frame, time, world));
-    }
 
     if (rank() == 0)
-    {
-      const fs::path at(folder);
-      check_contains(at / (points + "_0001.pvtu"),
-                     {"\"mass\"",
-                      "\"velocity\" NumberOfComponents=\"3\"",
-                      "\"stress_xx\"",
-                      "\"stress_xy\"",
-                      "\"stress_zz\"",
-                      "units=\"m/s\""});
-      const unsigned int n_ranks =
-        dealii::Utilities::MPI::n_mpi_processes(world);
-      check(count(contents(at / (points + "_0001.pvtu")), "<Piece ") == n_ranks,
-            "one piece for each rank");
-      check(count(contents(at / (points + "_0000.0.vtu")),
-                  "NumberOfPoints=\"5\"") == 1,
-            "five particles");
-      check(count(contents(at / (cells + "_0000.0.vtu")),
-                  "NumberOfCells=\"1\"") == 1,
-            "one cell");
-      if (n_ranks > 1)
-        check(count(contents(at / (points + "_0000.1.vtu")),
-                    "NumberOfPoints=\"0\"") == 1,
-              "an empty piece");
-      check_contains(at / (points + ".pvd"),
-                     {"timestep=\"0.5\"", points + "_0000.pvtu"});
-      check_contains(at / "fields.txt",
-                     {"mass [kg]: of a particle",
-                      "velocity [m/s] (vector)",
-                      "stress [Pa] (_xx, _yy, "});
-      check(count(contents(at / "fields.txt"), points + ".pvd") == 1,
-            "the fields are listed once");
-    }
+      {
+        const fs::path at(folder);
+        check_contains(at / (points + "_0001.pvtu"),
+                       {"\"mass\"",
+                        "\"velocity\" NumberOfComponents=\"3\"",
+                        "\"stress_xx\"",
+                        "\"stress_xy\"",
+                        "\"stress_zz\"",
+                        "units=\"m/s\""});
+        const unsigned int n_ranks =
+          dealii::Utilities::MPI::n_mpi_processes(world);
+        check(count(contents(at / (points + "_0001.pvtu")), "<Piece ") ==
+                n_ranks,
+              "one piece for each rank");
+        check(count(contents(at / (points + "_0000.0.vtu")),
+                    "NumberOfPoints=\"5\"") == 1,
+              "five particles");
+        check(count(contents(at / (cells + "_0000.0.vtu")),
+                    "NumberOfCells=\"1\"") == 1,
+              "one cell");
+        if (n_ranks > 1)
+          check(count(contents(at / (points + "_0000.1.vtu")),
+                      "NumberOfPoints=\"0\"") == 1,
+                "an empty piece");
+        check_contains(at / (points + ".pvd"),
+                       {"timestep=\"0.5\"", points + "_0000.pvtu"});
+        check_contains(at / "fields.txt",
+                       {"mass [kg]: of a particle",
+                        "velocity [m/s] (vector)",
+                        "stress [Pa] (_xx, _yy, "});
+        check(count(contents(at / "fields.txt"), points + ".pvd") == 1,
+              "the fields are listed once");
+      }
 
     using Fields = std::vector<FieldDescription>;
     check_throws_with(
@@ -185,12 +187,12 @@ namespace
                                              "pictures/particles_talk.png",
                                              "energies.png"};
     if (rank() == 0)
-    {
-      fs::create_directory(run / "pictures");
-      for (const auto &names : {ours, theirs})
-        for (const std::string &name : names)
-          std::ofstream(run / name) << "x";
-    }
+      {
+        fs::create_directory(run / "pictures");
+        for (const auto &names : {ours, theirs})
+          for (const std::string &name : names)
+            std::ofstream(run / name) << "x";
+      }
     MPI_Barrier(world);
 
     check_throws_with([&] { RunDirectory(run.string(), false, world); },
@@ -228,11 +230,11 @@ namespace
     {
       Progress progress(screen, false, log, 10., 0);
       for (unsigned int step = 1; step <= 97; ++step)
-      {
-        progress.step(step, 0.1 * step, 0.1, 3, 1.2e-15);
-        if (step == 50)
-          progress.note("a note");
-      }
+        {
+          progress.step(step, 0.1 * step, 0.1, 3, 1.2e-15);
+          if (step == 50)
+            progress.note("a note");
+        }
       progress.finish();
       progress.finish();
     }
@@ -298,13 +300,13 @@ namespace
     for (unsigned int d = 0; d < dim; ++d)
       upper[d] = 4.;
     for (unsigned int i = 0; i < 200; ++i)
-    {
-      Point<dim> position;
-      for (unsigned int d = 0; d < dim; ++d)
-        position[d] = 1. + 0.2 * (d == 0 ? i % 10 : i / 10 % 10);
-      positions.push_back(position);
-      energies.push_back(i);
-    }
+      {
+        Point<dim> position;
+        for (unsigned int d = 0; d < dim; ++d)
+          position[d] = 1. + 0.2 * (d == 0 ? i % 10 : i / 10 % 10);
+        positions.push_back(position);
+        energies.push_back(i);
+      }
     pictures.add_snapshot(0., {}, {}, lower, upper, n_cells); // no particles
     pictures.add_snapshot(1., positions, energies, lower, upper, n_cells);
     check(count(contents(run / "pictures/particles_01.dat"), "\n") == 201,
@@ -312,14 +314,14 @@ namespace
 
     const auto warnings = pictures.draw("strain energy (J)");
     for (const std::string name : {"energies", "balance_error", "particles"})
-    {
-      const fs::path picture = run / "pictures" / name;
-      check(fs::exists(picture.string() + ".gp"), name + ".gp is written");
-      std::error_code absent;
-      const auto      size = fs::file_size(picture.string() + ".png", absent);
-      if (gnuplot_is_installed())
-        check(!absent && size > 5000, name + ".png is drawn");
-    }
+      {
+        const fs::path picture = run / "pictures" / name;
+        check(fs::exists(picture.string() + ".gp"), name + ".gp is written");
+        std::error_code absent;
+        const auto      size = fs::file_size(picture.string() + ".png", absent);
+        if (gnuplot_is_installed())
+          check(!absent && size > 5000, name + ".png is drawn");
+      }
     for (const std::string &warning : warnings)
       check(!gnuplot_is_installed(), "unexpected warning: " + warning);
     if (gnuplot_is_installed())
@@ -373,12 +375,12 @@ main(int argc, char **argv)
   test_data_files<3>(folder);
   test_run_directory(folder);
   if (rank() == 0)
-  {
-    test_progress();
-    test_pictures<2>(folder);
-    test_pictures<3>(folder);
-    test_pictures_that_cannot_be_drawn(folder);
-  }
+    {
+      test_progress();
+      test_pictures<2>(folder);
+      test_pictures<3>(folder);
+      test_pictures_that_cannot_be_drawn(folder);
+    }
 
   MPI_Barrier(world);
   if (rank() == 0)

@@ -48,6 +48,8 @@ namespace emmy
     jacobian() const override;
     double
     scale() const override;
+    double
+    work_scale() const override;
     const std::string &
     problem() const override;
 
@@ -75,7 +77,7 @@ namespace emmy
     Vector              external_force, full_residual, free_residual;
     Matrix              tangent;
     PointArrays<dim>    trial_states;
-    double              force_scale = 0.;
+    double              force_scale = 0., total_work = 0.;
     std::string         found;
   };
 } // namespace emmy

@@ -33,10 +33,17 @@ namespace emmy
     virtual double
     scale() const = 0;
 
+    /** The size of the works of these forces: sum |F||u| over all of them. */
+    virtual double
+    work_scale() const = 0;
+
     /** What was wrong in the last evaluation, on all ranks; or empty. */
     virtual const std::string &
     problem() const = 0;
   };
+  /** sum |a_i||b_i| over all unknowns. Collective. */
+  double
+  absolute_product(const Vector &a, const Vector &b);
 } // namespace emmy
 
 #endif

@@ -31,6 +31,10 @@ namespace emmy
                  std::string,
                  << arg1 << ": " << arg2 << "\n  Remedy: " << arg3);
 
+  /** What an error says, without the frame that what() puts around it. */
+  std::string
+  message_of(const dealii::ExceptionBase &error);
+
   /**
    * The problem of the lowest rank that has one; empty if none has.
    * Collective.

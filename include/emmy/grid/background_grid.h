@@ -106,9 +106,13 @@ namespace emmy
     const std::shared_ptr<const dealii::Utilities::MPI::Partitioner> &
     nodes() const;
 
-    /** Whether a position is in the closed box, to 1e-12 of a cell. */
+    /** Whether a position is in the closed box, to round-off (1e-13). */
     bool
     contains(const dealii::Point<dim> &position) const;
+
+    /** The nearest position in the box; another one only by round-off. */
+    dealii::Point<dim>
+    clamped(const dealii::Point<dim> &position) const;
 
   private:
     void

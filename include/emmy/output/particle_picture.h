@@ -41,7 +41,7 @@ namespace emmy
     dealii::Tensor<1, 3> cell_size;
 
     double             spacing  = 1.; ///< of neighbouring particles, m
-    double             smallest = 0.; ///< of all values
+    double             smallest = 0.; ///< of all values and 0
     double             largest  = 1.;
     std::vector<Panel> panels;
 

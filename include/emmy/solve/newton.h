@@ -26,10 +26,11 @@ namespace emmy
 
   /**
    * Newton's method on a NonlinearEquation. Converged when sum |r||du|, with r
-   * after the increment, has fallen to the tolerance times its first value, or
-   * |r| to 1e-12 of the forces that balance in it (free flight, rest). An
-   * increment that leaves the equation without meaning is halved, at most six
-   * times. Owned by the step.
+   * after the increment, has fallen to the tolerance times its first value
+   * (that with r before the first increment, if smaller), or |r| to 1e-12 of
+   * the forces that balance in it and its work to round-off (free flight,
+   * rest). An increment that leaves the equation without meaning is halved, at
+   * most six times. Owned by the step.
    */
   class Newton
   {

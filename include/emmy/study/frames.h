@@ -36,10 +36,14 @@ namespace emmy
 
     /**
      * The last state if it is not there yet, then the pictures. Collective.
+     *
+     * @param last        the last accepted step
+     * @param is_complete no step failed after it; after one that did, the
+     *   grid is that of the failed step and is not written
      * @return warnings, one line each
      */
     std::vector<std::string>
-    finish(const StepReport &last);
+    finish(const StepReport &last, const bool is_complete);
 
   private:
     void
@@ -51,17 +55,17 @@ namespace emmy
     void
     take_picture(const double time);
 
-    Scene<dim>             &scene;
-    const OutputParameters &wanted;
-    const double            end_time;
-    const RunDirectory     &directory;
-    const MPI_Comm          communicator;
-    const bool              is_first;
-    Pictures                pictures;
-    Series                  particle_series, grid_series;
-    std::vector<double>     picture_times;
-    unsigned int            n_pictures = 0, n_frames = 0, n_intervals = 0;
-    double                  last_frame = -1., last_picture = -1.;
+    Scene<dim>               &scene;
+    const OutputParameters   &wanted;
+    const double              end_time;
+    const RunDirectory       &directory;
+    const MPI_Comm            communicator;
+    const bool                is_first;
+    std::unique_ptr<Pictures> pictures; // none unless wanted
+    Series                    particle_series, grid_series;
+    std::vector<double>       picture_times;
+    unsigned int              n_pictures = 0, n_frames = 0, n_intervals = 0;
+    double                    last_frame = -1., last_picture = -1.;
   };
 } // namespace emmy
 

@@ -1,0 +1,28 @@
+#ifndef emmy_base_formula_h
+#define emmy_base_formula_h
+
+#include <deal.II/base/function_parser.h>
+
+#include <memory>
+#include <string>
+
+namespace emmy
+{
+  /**
+   * Read formulas of a parameter: functions of the position x, y (and z),
+   * separated by ;, that may use pi. Throws ExcParameter for @p section and
+   * @p entry with the parser's complaint and @p remedy.
+   *
+   * @param n_components how many formulas there must be
+   * @param remedy       what is expected, e.g. "Write 2 components, ..."
+   */
+  template <int dim>
+  std::unique_ptr<dealii::FunctionParser<dim>>
+  read_formulas(const std::string &text,
+                const unsigned int n_components,
+                const std::string &section,
+                const std::string &entry,
+                const std::string &remedy);
+} // namespace emmy
+
+#endif

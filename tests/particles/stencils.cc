@@ -1,0 +1,149 @@
+// Particle completeness, on which every conservation law rests: sum S = 1,
+// sum grad S = 0, sum S x = x_p, sum x (x) grad S = I, for points inside
+// cells, on faces, edges and corners of cells and on the edges of the grid,
+// and for points a hair outside a wall, which must not be lost.
+
+#include <emmy/particles/field_layout.h>
+#include <emmy/particles/stencils.h>
+#include <emmy/transfer/grid_to_particles.h>
+
+#include <random>
+
+#include "../check.h"
+
+using namespace emmy;
+
+namespace
+{
+  template <int dim>
+  void
+  check_completeness()
+  {
+    const std::string name = std::to_string(dim) + "D: ";
+    dealii::ParameterAcceptor::clear();
+    GridParameters<dim> parameters;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        parameters.cells[d]        = 2 * (d + 2);
+        parameters.upper_corner[d] = 1. + 0.3 * d;
+      }
+    const BackgroundGrid<dim>               grid(parameters, MPI_COMM_WORLD);
+    const FieldLayout                       layout = basic_fields(dim);
+    dealii::Particles::ParticleHandler<dim> particles(grid.triangulation(),
+                                                      grid.mapping(),
+                                                      layout.n_components());
+
+    // all points start at the centre of a cell and are moved, as in a run
+    std::mt19937                           generator(3);
+    std::uniform_real_distribution<double> unit(0., 1.);
+    std::vector<dealii::Point<dim>>        positions;
+    for (unsigned int kind = 0; kind < 400; ++kind)
+      {
+        dealii::Point<dim> x;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double       h = grid.cell_size()[d];
+            const unsigned int n = grid.n_cells()[d];
+            switch ((kind + generator()) % 4)
+              {
+                case 0: // inside
+                  x[d] = unit(generator) * n * h;
+                  break;
+                case 1: // on a face of cells, the grid's edges among them
+                  x[d] = (generator() % (n + 1)) * h;
+                  break;
+                case 2: // next to a face, by round-off
+                  x[d] =
+                    std::min(n * h, (generator() % (n + 1)) * h * (1. + 1e-16));
+                  break;
+                default: // a hair outside a wall
+                  x[d] = generator() % 2
+                           ? -1e-18
+                           : parameters.upper_corner[d] * (1. + 2e-16);
+              }
+          }
+        positions.push_back(x);
+      }
+    const auto          cell   = grid.triangulation().begin_active();
+    std::vector<double> values = layout.initial_values();
+    for (unsigned int id = 0; id < positions.size(); ++id)
+      {
+        values[layout["body"]] = id % 3;
+        particles.insert_particle(
+          cell->center(),
+          dealii::Point<dim>(),
+          id,
+          cell,
+          dealii::ArrayView<const double>(values.data(), values.size()));
+      }
+    particles.update_cached_numbers();
+    for (auto &particle : particles)
+      particle.set_location(positions[particle.get_id()]);
+    sort_into_cells(grid, particles);
+    test::check(particles.n_global_particles() == positions.size(),
+                name + "no particle is lost");
+
+    const auto stencils =
+      LinearShapeFunctions<dim>(layout["body"]).evaluate(particles, grid);
+    unsigned int n_seen = 0;
+    for (const auto &group : stencils.groups)
+      for (unsigned int q = 0; q < group.n_points; ++q)
+        {
+          ++n_seen;
+          const auto &particle = *stencils.particles[group.first_point + q];
+          test::check(particle.get_properties()[layout["body"]] == group.body,
+                      name + "a group is of one body");
+          double                 sum = 0.;
+          dealii::Tensor<1, dim> gradient_sum, position;
+          dealii::Tensor<2, dim> unit_tensor;
+          bool                   is_positive = true;
+          for (unsigned int a = 0; a < group.n_nodes; ++a)
+            {
+              const auto &node =
+                grid.node_position(stencils.node_ids[group.first_node + a]);
+              const double S = stencils.value(group, a)[q];
+              is_positive    = is_positive && S > -1e-12;
+              sum += S;
+              position += S * node;
+              for (unsigned int d = 0; d < dim; ++d)
+                {
+                  const double slope = stencils.gradient(group, a, d)[q];
+                  gradient_sum[d] += slope;
+                  for (unsigned int e = 0; e < dim; ++e)
+                    unit_tensor[e][d] += node[e] * slope;
+                }
+            }
+          for (unsigned int d = 0; d < dim; ++d)
+            unit_tensor[d][d] -= 1.;
+          test::check(is_positive, name + "S is not negative");
+          test::check_close(sum, 1., 1e-14, name + "sum S");
+          test::check_close(particle.get_location().distance(
+                              positions[particle.get_id()]),
+                            0.,
+                            1e-15,
+                            name + "positions stay, to round-off");
+          test::check_close((position - particle.get_location()).norm(),
+                            0.,
+                            1e-14,
+                            name + "sum S x");
+          test::check_close(gradient_sum.norm(),
+                            0.,
+                            1e-13,
+                            name + "sum grad S");
+          test::check_close(unit_tensor.norm(),
+                            0.,
+                            1e-13,
+                            name + "sum x (x) grad S");
+        }
+    test::check(n_seen == positions.size(), name + "all points have stencils");
+  }
+} // namespace
+
+int
+main(int argc, char *argv[])
+{
+  dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  check_completeness<2>();
+  check_completeness<3>();
+  return test::report();
+}

@@ -1,0 +1,346 @@
+#!/bin/sh
+# What emmy cannot use it refuses in words: where, what, and how to mend it;
+# with a non-zero exit code, once however many ranks there are, and without
+# leaving half a run behind. A run that stops on the way keeps its results.
+#
+# Usage: bad_input.sh EMMY SOURCE_ROOT MPI_LAUNCHER
+set -u
+
+[ $# -eq 3 ] || { echo "usage: bad_input.sh EMMY SOURCE_ROOT MPI_LAUNCHER" >&2; exit 2; }
+# shellcheck source=tests/program/checks.sh
+. "$2/tests/program/checks.sh"
+emmy=$(absolute "$1")
+launcher=$3
+cd "$work" || exit 2
+mkdir run && cd run || exit 2 # output of emmy goes beside it
+tiny_scene >base.prm
+
+# expect_error NAME WORDS: one error message, which holds all WORDS, a list
+# separated by |
+expect_error()
+{
+  check "$1: one error message" has_lines 1 "$work/err" '^emmy: error: [^ ]'
+  wanted=$2
+  while [ -n "$wanted" ]; do
+    check "$1: says <${wanted%%|*}>" says "$work/err" "${wanted%%|*}"
+    case $wanted in
+      *'|'*) wanted=${wanted#*|} ;;
+      *) wanted= ;;
+    esac
+  done
+}
+
+# refused NAME WORDS ARGUMENTS...: emmy says WORDS, fails, and leaves nothing
+refused()
+{
+  name=$1 words=$2
+  shift 2
+  before=$(state .)
+  emmy_run "$@"
+  check "$name: exit code 1" [ "$status" -eq 1 ]
+  check "$name: nothing else is printed" [ ! -s "$work/out" ]
+  expect_error "$name" "$words"
+  check "$name: nothing is written" [ "$(state .)" = "$before" ]
+}
+
+# refused_set NAME WORDS ENTRY=VALUE: the same, of base.prm with another value
+refused_set()
+{
+  refused "$1" "$2" base.prm --set "$3"
+}
+
+# without ENTRY: base.prm without a line, as less.prm
+without()
+{
+  grep -v "set $1 " base.prm >less.prm
+}
+
+
+echo "Names"
+cat >typo.prm <<'END'
+include base.prm
+subsection Grdi
+  set Cells = 1, 1
+end
+END
+refused 'unknown section' \
+  'typo.prm, line 2|unknown section <Grdi>|did you mean <Grid>?' typo.prm
+cat >typo.prm <<'END'
+include base.prm
+subsection Materials
+  subsection rubber
+    set Densty = 1
+  end
+end
+END
+refused 'unknown entry' \
+  'typo.prm, line 4|<Materials/rubber/Densty>|did you mean <Density>?' typo.prm
+cat >typo.prm <<'END'
+include base.prm
+set Titel = a
+subsection Tmie
+end
+subsection Time
+  set Endtime = 1
+end
+END
+refused 'several unknown names' \
+  'line 2: unknown parameter <Titel>|line 3: unknown section <Tmie>|line 6: unknown parameter <Time/Endtime>|did you mean <Title>?|did you mean <Time>?|did you mean <End time>?|--set: unknown parameter <Output/Frame>|did you mean <Frames>?' \
+  typo.prm --set 'Output/Frame=1'
+refused 'several unusable values' \
+  '<Time/End time> is <soon>|must be a number|<Grid/Cells> is <4>|must be a list of 2 items' \
+  base.prm --set 'Time/End time=soon' --set 'Grid/Cells=4'
+cat >typo.prm <<'END'
+include base.prm
+subsection Bodies
+  subsection another
+    set Shape = box
+  end
+end
+END
+refused 'a body that is not listed' \
+  'line 3|unknown section <Bodies/another>|must stand in <Bodies/Names>' typo.prm
+rm typo.prm
+refused_set 'unknown material of a body' \
+  '<Bodies/block/Material> is <ruber>|did you mean <rubber>?|Materials/Names: rubber' \
+  'Bodies/block/Material=ruber'
+refused_set 'unknown shape' \
+  '<Bodies/block/Shape> is <bax>|did you mean <box>?|Known are: box, ball, expression' \
+  'Bodies/block/Shape=bax'
+refused_set 'unknown model' \
+  '<Materials/rubber/Model> is <Hooke>|Known are: Hencky' \
+  'Materials/rubber/Model=Hooke'
+refused_set 'unknown effect' \
+  '<Effects/Names> is <gravitation>|Known are: gravity' 'Effects/Names=gravitation'
+refused_set 'unknown side of the grid' \
+  '<Boundary conditions/Fixed> is <z-min>|no such side|x-min, x-max, y-min, y-max' \
+  'Boundary conditions/Fixed=x-min, z-min'
+
+echo "Constants and measures"
+without 'Density'
+refused 'missing density' '<Materials/rubber/Density>|required|kg/m^3' less.prm
+without "Young's modulus"
+refused "missing Young's modulus" \
+  "<Materials/rubber/Young's modulus>|missing|Set Young's modulus (Pa)" less.prm
+for ratio in 0.5 -1; do
+  refused_set "Poisson's ratio $ratio" \
+    "<Materials/rubber/Poisson's ratio> is <$ratio>|between -1 and 0.5, both excluded|use 0.49" \
+    "Materials/rubber/Poisson's ratio=$ratio"
+done
+without 'Upper corner'
+refused 'missing Upper corner' \
+  '<Grid/Upper corner>|must lie above the lower corner|in m' less.prm
+refused_set 'zero cells' '<Grid/Cells> is <0, 4>|at least 1' 'Grid/Cells=0, 4'
+without 'Points per direction'
+refused 'missing Points per direction' \
+  '<Bodies/block/Points per direction>|required' less.prm
+rm less.prm
+
+echo "Bodies"
+refused_set 'body without particles' \
+  'body <block> holds no particle|raise its Points per direction' \
+  'Bodies/block/box/Upper corner=1.01, 2'
+refused_set 'body outside the grid' \
+  'body <block> spans x = 1 ... 9 m|not inside the grid, 0 ... 4 m|enlarge the grid' \
+  'Bodies/block/box/Upper corner=9, 2'
+cat >overlap.prm <<'END'
+include base.prm
+subsection Bodies
+  set Names = block, disc
+  subsection disc
+    set Shape                = ball
+    set Material             = rubber
+    set Points per direction = 4
+    subsection ball
+      set Center = 2, 2
+      set Radius = 0.5
+    end
+  end
+end
+END
+refused 'overlapping bodies' \
+  'bodies <block> and <disc> overlap, e.g. at (|move or shrink' overlap.prm
+rm overlap.prm
+refused_set 'malformed velocity' \
+  '<Bodies/block/Initial velocity> is <1*; 0>|Unexpected end of expression|Write 2 components separated by ;' \
+  'Bodies/block/Initial velocity=1*; 0'
+refused_set 'velocity with one component' \
+  '<Bodies/block/Initial velocity> is <1>|Write 2 components separated by ;' \
+  'Bodies/block/Initial velocity=1'
+refused_set 'velocity that is no number' \
+  'initial velocity of body <block>|nan m/s at (|must be finite' \
+  'Bodies/block/Initial velocity=sqrt(-1); 0'
+sed -e 's/= box/= expression/' -e 's/subsection box/subsection expression/' \
+  -e '/set Lower corner = 1, 1/d' -e 's/Upper corner = 2, 2/Expression = 1 - r^2/' \
+  base.prm >formula.prm
+refused 'malformed shape' \
+  '<Bodies/block/expression/Expression> is <1 - r^2>|Unexpected token "r|Write a formula in x,y' \
+  formula.prm
+rm formula.prm
+
+echo "Time, solver and output"
+refused_set 'negative end time' '<Time/End time> is <-1>|must be positive (s)' \
+  'Time/End time=-1'
+for factor in -1 0; do
+  refused "factor $factor" "<Time/Factor> is <$factor>|must be positive" \
+    base.prm --set 'Time/Step rule=wave' --set "Time/Factor=$factor"
+done
+without 'Step size'
+refused 'missing step size' '<Time/Step size>|required|with Step rule = fixed' less.prm
+rm less.prm
+refused_set 'unusable tolerance' \
+  '<Solver/Newton tolerance> is <1>|between 0 and 1, both excluded' \
+  'Solver/Newton tolerance=1'
+refused_set 'negative picture time' \
+  '<Output/Picture times> is <-1>|must not be negative' 'Output/Picture times=0, -1'
+refused_set 'no output folder' '<Output/Directory> is <>|must name a folder' \
+  'Output/Directory='
+refused_set 'output folder below a file' \
+  'the folder <base.prm/results> cannot be created|check' \
+  'Output/Directory=base.prm/results'
+if [ -d /proc/self ]; then # nobody may write there
+  refused_set 'output folder in a place that cannot be written to' \
+    'the folder </proc/emmy> cannot be created|check' 'Output/Directory=/proc/emmy'
+fi
+if [ "$(id -u)" -ne 0 ]; then # root may write anywhere
+  mkdir closed && chmod a-w closed
+  refused_set 'output folder without permission to write' \
+    'no file can be written in the folder <closed>|permissions' 'Output/Directory=closed'
+  rmdir closed
+fi
+
+echo "Command line"
+refused 'no file' 'no parameter file|name one' --check
+refused 'two files' 'two parameter files, <base.prm> and <b.prm>|give one' base.prm b.prm
+refused 'missing file' 'cannot read the file <none.prm>|check the name' none.prm
+refused 'unknown option' 'unknown option <--frob>|emmy --help' base.prm --frob
+refused '--set without a value' '--set has no value|Section/Name=value' base.prm --set
+for assignment in 'End time' 'Time/=1'; do
+  refused "malformed --set <$assignment>" \
+    "--set: cannot understand <$assignment>|Section/Subsection/Name=value" \
+    base.prm --set "$assignment"
+done
+
+echo "Gravity"
+refused_set 'gravity without acceleration' \
+  '<Effects/Gravity/Acceleration>|required: 2 components in m/s^2|0, -9.81' \
+  'Effects/Names=gravity'
+emmy_run base.prm --set 'Effects/Gravity/Acceleration=0, -9.81' --set 'Time/Maximum steps=1'
+check 'gravity that is not named: runs' [ "$status" -eq 0 ]
+check 'gravity that is not named: one note on the screen' \
+  has_lines 1 "$work/out" 'note: section Effects/Gravity is not used'
+check 'gravity that is not named: one note in run.log' \
+  has_lines 1 results/run.log 'note: section Effects/Gravity is not used'
+
+echo "A folder that holds a run"
+echo 'mine' >results/notes.txt
+refused 'a folder that holds a run' \
+  'the folder <results> already holds a run|--overwrite' base.prm
+refused 'a wrong file, though it may overwrite' '<Time/End time> is <-1>' \
+  base.prm --overwrite --set 'Time/End time=-1'
+emmy_run base.prm --overwrite --set 'Time/Maximum steps=2' --set 'Output/Frames=0'
+check '--overwrite: runs' [ "$status" -eq 0 ]
+check '--overwrite: the new ledger is there' has_lines 4 results/ledger.csv
+check '--overwrite: files of the old run are gone' [ ! -e results/particles.pvd ]
+check '--overwrite: other files stay' [ "$(cat results/notes.txt)" = mine ]
+rm -rf results
+
+echo "A particle that leaves the grid"
+# The foremost particles fly from x = 61/32 m at 1 m/s; the grid ends at 2.5 m.
+emmy_run base.prm --set 'Grid/Upper corner=2.5, 4' --set 'Output/Frames=1'
+check 'leaving: exit code 1' [ "$status" -eq 1 ]
+expect_error 'leaving' \
+  'Step 5 from t = 0.5 s|would leave the grid, to (2.578|Enlarge the grid|fix that side'
+check 'leaving: names the particle and its position' \
+  matches "$work/err" 'particle [0-9]+ at \(2\.453[0-9]*, [0-9.]+\) m'
+check 'leaving: the ledger has the four accepted rows' has_lines 6 results/ledger.csv
+check 'leaving: the last row is the last accepted step' \
+  [ "$(tail -n 1 results/ledger.csv | cut -d , -f 1,2)" = '4,0.5' ]
+check 'leaving: run.log tells the reason' \
+  matches results/run.log 'stopped: Step 5 .* particle [0-9]+ at .* would leave the grid'
+check 'leaving: the particles of the last accepted step are there' \
+  says results/particles.pvd 'timestep="0.5"'
+check 'leaving: no grid of the failed step' [ ! -e results/grid.pvd ]
+check 'leaving: timing.json is there' [ -s results/timing.json ]
+rm -rf results
+
+echo "Newton"
+emmy_run base.prm --set 'Bodies/block/Initial velocity=x; 0' --set 'Time/Step size=1e3' \
+  --set 'Solver/Maximum iterations=1' --set 'Time/Maximum halvings=2'
+check 'first step fails: exit code 1' [ "$status" -eq 1 ]
+expect_error 'first step fails' \
+  'Step 1 from t = 0 s|Newton does not converge|halved 2 times to 250 s|Step size'
+check 'first step fails: run.log says the same' \
+  matches results/run.log 'stopped: Step 1 .*halved 2 times to 250 s'
+check 'first step fails: the ledger has the initial row alone' has_lines 2 results/ledger.csv
+rm -rf results
+# Free flight needs no iteration, a wall does: one is not enough.
+emmy_run base.prm --set 'Grid/Upper corner=3, 4' --set 'Grid/Cells=3, 4' \
+  --set 'Boundary conditions/Fixed=x-max' \
+  --set 'Solver/Maximum iterations=1' --set 'Time/Maximum halvings=2'
+check 'a later step fails: exit code 1' [ "$status" -eq 1 ]
+expect_error 'a later step fails' \
+  'Step 3 from t = 0.25 s|not converged in 1 iterations|halved 2 times to 0.03125 s|was kept'
+check 'a later step fails: the ledger has two accepted rows' has_lines 4 results/ledger.csv
+check 'a later step fails: the last row is the last accepted step' \
+  [ "$(tail -n 1 results/ledger.csv | cut -d , -f 1,2)" = '2,0.25' ]
+check 'a later step fails: run.log says that the step was halved' \
+  matches results/run.log 'stopped: Step 3 .*halved 2 times to 0.03125 s'
+rm -rf results
+# A body that shrinks to nothing within the step, and within half of it.
+emmy_run base.prm --set 'Bodies/block/Initial velocity=-8*(x-1.5); 0' \
+  --set 'Time/Step size=1' --set 'Time/Maximum steps=1'
+check 'a halved step: runs' [ "$status" -eq 0 ]
+check 'a halved step: run.log tells both halvings' \
+  has_lines 2 results/run.log 'Step 1 .*; halved to 0.2?5 s'
+check 'a halved step: the ledger has the smaller step' \
+  [ "$(tail -n 1 results/ledger.csv | cut -d , -f 1-3)" = '1,0.25,0.25' ]
+rm -rf results
+
+echo "Two ranks"
+# run_on_two_ranks ARGUMENTS...: after a failure Open MPI would wait a second
+# for ranks that have left already
+run_on_two_ranks()
+{
+  last_run="$* (two ranks)"
+  status=0
+  OMPI_MCA_odls_base_sigkill_timeout=0 \
+    "$timeout" 60 "$launcher" --oversubscribe --bind-to none -np 2 "$emmy" "$@" \
+    >"$work/out" 2>"$work/err" </dev/null || status=$?
+}
+
+# refused_by_two NAME WORDS ARGUMENTS...: as refused(); the launcher has its say
+refused_by_two()
+{
+  name="$1, two ranks" words=$2
+  shift 2
+  before=$(state .)
+  run_on_two_ranks "$@"
+  check "$name: fails" [ "$status" -ne 0 ]
+  check "$name: does not hang" [ "$status" -ne 124 ]
+  expect_error "$name" "$words"
+  check "$name: says nothing twice" not matches "$work/err" '^Message:|unexpected error'
+  check "$name: nothing is written" [ "$(state .)" = "$before" ]
+}
+
+# a column across both ranks
+across='Bodies/block/box/Upper corner=2, 3'
+refused_by_two 'unknown entry' '<Time/Endtime>|did you mean <End time>?' \
+  base.prm --set 'Time/Endtime=2'
+refused_by_two 'malformed velocity' '<Bodies/block/Initial velocity>|Write 2 components' \
+  base.prm --set 'Bodies/block/Initial velocity=foo; 0'
+refused_by_two 'body outside the grid' 'body <block> spans x' \
+  base.prm --set 'Bodies/block/box/Upper corner=9, 2'
+run_on_two_ranks base.prm --set "$across" --set 'Grid/Upper corner=2.5, 4'
+check 'leaving, two ranks: fails' [ "$status" -ne 0 ]
+check 'leaving, two ranks: does not hang' [ "$status" -ne 124 ]
+expect_error 'leaving, two ranks' 'Step 5 from t = 0.5 s|would leave the grid, to (2.578'
+check 'leaving, two ranks: the ledger has the four accepted rows' has_lines 6 results/ledger.csv
+check 'leaving, two ranks: run.log tells the reason once' \
+  has_lines 1 results/run.log 'stopped: Step 5 .* would leave the grid'
+rm -rf results
+# All sixteen particles are in one cell.
+run_on_two_ranks base.prm --set 'Time/Maximum steps=1'
+check 'a rank without particles: runs' [ "$status" -eq 0 ]
+
+finish

@@ -1,0 +1,238 @@
+#!/bin/sh
+# The command line does what its help says, every scene that comes with emmy
+# can be read and run, and a run leaves the results that it should.
+#
+# Usage: command_line.sh EMMY SOURCE_ROOT MPI_LAUNCHER
+set -u
+
+[ $# -eq 3 ] || { echo "usage: command_line.sh EMMY SOURCE_ROOT MPI_LAUNCHER" >&2; exit 2; }
+# shellcheck source=tests/program/checks.sh
+. "$2/tests/program/checks.sh"
+emmy=$(absolute "$1")
+root=$(absolute "$2")
+cd "$work" || exit 2
+mkdir run && cd run || exit 2 # output of emmy goes beside it
+tiny_scene >base.prm
+
+# accepted NAME ARGUMENTS...: emmy succeeds, and complains of nothing
+accepted()
+{
+  name=$1
+  shift
+  emmy_run "$@"
+  check "$name: exit code 0" [ "$status" -eq 0 ]
+  check "$name: no complaint" [ ! -s "$work/err" ]
+}
+
+# prints NAME ARGUMENTS...: the same, and it writes nothing
+prints()
+{
+  before=$(state .)
+  accepted "$@"
+  check "$name: nothing is written" [ "$(state .)" = "$before" ]
+}
+
+# sets ENTRY VALUE: what emmy just printed sets an entry to this value
+sets()
+{
+  matches "$work/out" "^ *set $1 += $2 *(#.*)?\$"
+}
+
+
+echo "Help"
+prints '--help' --help
+for word in --set --overwrite --check --print-parameters --version FILE.prm; do
+  check "--help: names $word" says "$work/out" "$word"
+done
+cp "$work/out" ../help
+prints '-h' -h
+check '-h: is --help' cmp -s "$work/out" ../help
+prints '--version' --version
+check '--version: one line with the number' \
+  has_lines 1 "$work/out" '^emmy [0-9]+\.[0-9]+\.[0-9]+$'
+check '--version: nothing else' has_lines 1 "$work/out"
+
+echo "Reference of the parameters"
+prints '--print-parameters' --print-parameters
+cp "$work/out" ../reference.prm
+check 'reference: every entry has a comment above it' [ -z "$(
+  awk '/^ *set / && last !~ /^ *#/ { print }
+       { last = $0 }' ../reference.prm
+)" ]
+for section in Grid Materials Bodies 'Boundary conditions' Effects Method Time Solver Output; do
+  check "reference: has section $section" matches ../reference.prm "^subsection $section\$"
+done
+prints 'the reference as a file' --print-parameters ../reference.prm
+check 'the reference as a file: is read back unchanged' cmp -s "$work/out" ../reference.prm
+emmy_run --check ../reference.prm
+check 'the reference as a scene: stops at a required value' [ "$status" -eq 1 ]
+check 'the reference as a scene: names it' matches "$work/err" '<Grid/Cells> .* required'
+
+echo "Values and --set"
+prints 'parameters of a file' --print-parameters base.prm
+check 'parameters of a file: its value' sets 'Step size' 0.125
+check 'parameters of a file: a default' sets 'Maximum halvings' '[0-9]+'
+prints '--set' --print-parameters base.prm --set 'Time/Step size=3' \
+  --set 'Time/Factor=7' --set "Time/Step size = 4"
+check '--set: overrides, and the last wins' sets 'Step size' 4
+check '--set: another entry' sets 'Factor' 7
+prints '--set before the file' --set 'Time/Step size=3' --print-parameters base.prm
+check '--set before the file: overrides too' sets 'Step size' 3
+
+# What `emmy --check` must tell, as fixed words separated by |
+told='particles|cells|unknowns|bytes|first time step'
+
+# tells NAME: what emmy printed has all that --check must tell
+tells()
+{
+  wanted="$told|"
+  while [ -n "$wanted" ]; do
+    check "$1: tells ${wanted%%|*}" says "$work/out" "${wanted%%|*}"
+    wanted=${wanted#*|}
+  done
+}
+
+echo "Results of a run"
+prints '--check' --check base.prm
+tells '--check'
+check '--check: counts the particles' matches "$work/out" '^ *particles +16[ ,]'
+accepted 'tiny scene' base.prm --set 'Output/Directory=a/deep/folder'
+here=a/deep/folder
+for file in ledger.csv particles.pvd grid.pvd parameters.prm run.log timing.json; do
+  check "results: $file" [ -s $here/$file ]
+done
+check 'results: no pictures unless wanted' [ ! -e $here/pictures ]
+before_stress=step,time,time_step,kinetic_energy,kinetic_energy_grid_old,kinetic_energy_grid_new
+after_works=residual_work,balance_error
+counts=newton_iterations,linear_iterations,active_cells,active_dofs,particles
+# header FOLDER: the names of the ledger's columns
+header()
+{
+  head -n 1 "$1/ledger.csv"
+}
+check 'ledger: the columns of a plain scene' [ "$(header $here)" = \
+  "$before_stress,strain_energy,$after_works,linear_momentum_x,linear_momentum_y,angular_momentum_z,$counts" ]
+check 'ledger: the initial state and eight steps' has_lines 10 $here/ledger.csv
+check 'ledger: row 0 is the initial state' \
+  [ "$(sed -n 2p $here/ledger.csv | cut -d , -f 1-4)" = '0,0,0,2.5' ]
+check 'ledger: as many numbers as names in each row' [ "$(
+  awk -F , '{ print NF }' $here/ledger.csv | sort -u | wc -l
+)" -eq 1 ]
+check 'ledger: end time' [ "$(tail -n 1 $here/ledger.csv | cut -d , -f 1,2)" = '8,1' ]
+check 'run.log: a line for each step' has_lines 8 $here/run.log '^step [0-9]+ '
+check 'run.log: the seconds of each phase' matches $here/run.log '^total wall time'
+
+# series_is_whole FILE.pvd FRAMES: so many frames, whose files are there
+series_is_whole()
+{
+  [ "$(grep -c '<DataSet ' "$1")" -eq "$2" ] || return 1
+  # shellcheck disable=SC2013 # names without blanks
+  for file in $(sed -n 's/.* file="\([^"]*\)".*/\1/p' "$1"); do
+    [ -s "$(dirname "$1")/$file" ] || return 1
+  done
+}
+check 'particles.pvd: nine frames with their files' series_is_whole $here/particles.pvd 9
+check 'grid.pvd: eight frames with their files' series_is_whole $here/grid.pvd 8
+
+# is_json FILE: as far as the machine can tell
+is_json()
+{
+  if python3 -c '' 2>/dev/null; then
+    python3 -m json.tool "$1" >"$work/json"
+  else
+    [ "$(grep -o '{' "$1" | wc -l)" -eq "$(grep -o '}' "$1" | wc -l)" ]
+  fi
+}
+check 'timing.json: is JSON' is_json $here/timing.json
+check 'timing.json: names a phase' matches $here/timing.json '"residual and tangent"'
+
+accepted 'other numbers of frames' base.prm --set 'Output/Directory=frames' \
+  --set 'Output/Frames=2' --set 'Output/Grid files=false'
+check 'two frames: particles at the start and twice' series_is_whole frames/particles.pvd 3
+check 'two frames: no grid' [ ! -e frames/grid.pvd ]
+
+echo "Digits and repetition"
+# A block that stretches has numbers with all digits.
+moving='Bodies/block/Initial velocity=0.3*sin(3*x) + 0.2*y; 0.2*cos(2*y)'
+accepted 'stretching' base.prm --set "$moving" --set 'Output/Directory=first'
+check 'ledger: 17 digits' [ "$(
+  sed 1d first/ledger.csv | tr ',' '\n' | sed -e 's/e.*//' -e 's/[-.]//g' -e 's/^0*//' |
+    awk '{ if (length($0) > longest) longest = length($0) } END { print longest }'
+)" -eq 17 ]
+check 'stretching: strain energy is not zero' [ "$(
+  awk -F , 'END { print ($7 > 1e-6) }' first/ledger.csv
+)" -eq 1 ]
+accepted 'again from parameters.prm' first/parameters.prm --set 'Output/Directory=again'
+check 'again from parameters.prm: the same ledger' cmp -s first/ledger.csv again/ledger.csv
+cat >unused.prm <<'END'
+include base.prm
+subsection Effects
+  subsection Gravity
+    set Acceleration = 0.3, -0.2
+  end
+end
+END
+accepted 'section of an effect without its name' unused.prm --set "$moving" \
+  --set 'Output/Directory=unused'
+check 'section of an effect without its name: the same ledger' \
+  cmp -s first/ledger.csv unused/ledger.csv
+accepted 'effect with its name' unused.prm --set "$moving" \
+  --set 'Effects/Names=gravity' --set 'Output/Directory=used'
+check 'effect with its name: another ledger' not cmp -s first/ledger.csv used/ledger.csv
+check 'effect with its name: the column of its work' [ "$(header used)" = \
+  "$before_stress,strain_energy,load_work,$after_works,linear_momentum_x,linear_momentum_y,angular_momentum_z,$counts" ]
+
+echo "Three dimensions"
+sed -e 's/Dimension = 2/Dimension = 3/' -e 's/= 0, 0$/= 0, 0, 0/' \
+  -e 's/= 4, 4$/= 4, 4, 4/' -e 's/= 1; 0$/= 0; 0; 1/' -e 's/= 1, 1$/= 1, 1, 1/' \
+  -e 's/= 2, 2$/= 2, 2, 2/' base.prm >space.prm
+accepted 'three dimensions' space.prm --set 'Time/Maximum steps=2' \
+  --set 'Output/Directory=space'
+check 'three dimensions: the columns of the ledger' [ "$(header space)" = \
+  "$before_stress,strain_energy,$after_works,linear_momentum_x,linear_momentum_y,linear_momentum_z,angular_momentum_x,angular_momentum_y,angular_momentum_z,$counts" ]
+
+echo "Pictures"
+if command -v gnuplot >/dev/null; then
+  accepted 'with gnuplot' base.prm --set "$moving" --set 'Output/Pictures=true' \
+    --set 'Output/Picture times=0, 1' --set 'Output/Directory=drawn'
+  for picture in energies balance_error particles; do
+    check "with gnuplot: $picture.png" [ -s drawn/pictures/$picture.png ]
+  done
+  check 'with gnuplot: no warning' has_lines 0 "$work/out" gnuplot
+else
+  echo "  no gnuplot here: pictures are not checked"
+fi
+mkdir nothing
+path=$PATH
+# shellcheck disable=SC2123 # on purpose
+PATH=$PWD/nothing
+emmy_run base.prm --set 'Output/Pictures=true' --set 'Output/Directory=not_drawn'
+PATH=$path
+check 'without gnuplot: exit code 0' [ "$status" -eq 0 ]
+check 'without gnuplot: one warning on the screen' \
+  has_lines 1 "$work/out" 'gnuplot is not installed'
+check 'without gnuplot: one warning in run.log' \
+  has_lines 1 not_drawn/run.log 'gnuplot is not installed'
+check 'without gnuplot: no complaint' [ ! -s "$work/err" ]
+check 'without gnuplot: scripts to draw later' [ -s not_drawn/pictures/energies.gp ]
+
+echo "Scenes in prm/"
+n_scenes=0
+for scene in $(cd "$root" && find prm -name '*.prm' | sort); do
+  n_scenes=$((n_scenes + 1))
+  prints "$scene, --check" --check "$root/$scene"
+  tells "$scene, --check"
+  prints "$scene, --print-parameters" --print-parameters "$root/$scene"
+  cp "$work/out" ../printed.prm
+  prints "$scene, printed" --print-parameters ../printed.prm
+  check "$scene, printed: is read back unchanged" cmp -s "$work/out" ../printed.prm
+  started=$(date +%s)
+  accepted "$scene, two steps" "$root/$scene" --set 'Time/Maximum steps=2' \
+    --set "Output/Directory=scene_$n_scenes" --set 'Output/Pictures=false'
+  seconds=$(($(date +%s) - started))
+  check "$scene, two steps: takes less than 20 s" [ "$seconds" -lt 20 ]
+  check "$scene, two steps: are in the ledger" has_lines 4 "scene_$n_scenes/ledger.csv"
+done
+check 'there are scenes' [ "$n_scenes" -gt 0 ]
+
+finish

@@ -1,0 +1,179 @@
+#ifndef emmy_tests_step_cloud_h
+#define emmy_tests_step_cloud_h
+
+#include <emmy/assembly/gravity.h>
+#include <emmy/assembly/inertia.h>
+#include <emmy/assembly/internal_force.h>
+#include <emmy/material/hencky.h>
+#include <emmy/step/stepper.h>
+
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace emmy
+{
+  namespace test
+  {
+    /** What a test asks of a random cloud of particles. */
+    struct CloudOptions
+    {
+      unsigned int             n_points  = 60;
+      unsigned int             seed      = 1;
+      bool                     gravity   = false;
+      std::vector<std::string> roller    = {}; ///< sides of the grid
+      std::vector<std::string> fixed     = {};
+      double                   stiffness = 1e3; ///< Young's modulus, Pa
+    };
+
+    /**
+     * Particles of random position, velocity, mass and strain on a grid of
+     * 4 x 3 (x 3) cells, and all that advances them.
+     */
+    template <int dim>
+    struct Cloud
+    {
+      std::unique_ptr<GridParameters<dim>>       grid_parameters;
+      std::unique_ptr<BoundaryParameters>        boundary_parameters;
+      std::unique_ptr<SolverParameters>          solver_parameters;
+      std::unique_ptr<BackgroundGrid<dim>>       grid;
+      std::unique_ptr<BoundaryConditions<dim>>   boundary_conditions;
+      std::unique_ptr<Material<dim>>             material;
+      FieldLayout                                layout = basic_fields(dim);
+      std::unique_ptr<Balance<dim>>              balance;
+      std::unique_ptr<LinearShapeFunctions<dim>> shape_functions;
+      dealii::Particles::ParticleHandler<dim>    particles;
+      dealii::Tensor<1, dim>                     acceleration;
+
+      explicit Cloud(const CloudOptions &options)
+      {
+        dealii::ParameterAcceptor::clear();
+        grid_parameters     = std::make_unique<GridParameters<dim>>();
+        boundary_parameters = std::make_unique<BoundaryParameters>();
+        solver_parameters   = std::make_unique<SolverParameters>();
+
+        // not a cube, not at the origin
+        grid_parameters->cells    = std::vector<unsigned int>(dim, 3);
+        grid_parameters->cells[0] = 4;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            grid_parameters->lower_corner[d] = -0.3 + d;
+            grid_parameters->upper_corner[d] = 1.7 + 1.3 * d;
+          }
+        grid = std::make_unique<BackgroundGrid<dim>>(*grid_parameters,
+                                                     MPI_COMM_WORLD);
+        boundary_parameters->roller = options.roller;
+        boundary_parameters->fixed  = options.fixed;
+        boundary_conditions =
+          std::make_unique<BoundaryConditions<dim>>(*boundary_parameters,
+                                                    *grid);
+
+        ElasticConstants constants;
+        constants.density       = 10.;
+        constants.young_modulus = options.stiffness;
+        constants.poisson_ratio = 0.3;
+        material = std::make_unique<Hencky<dim>>(constants.completed("test"));
+
+        Effects<dim> effects;
+        effects.terms.push_back(std::make_unique<Inertia<dim>>());
+        effects.terms.push_back(std::make_unique<InternalForce<dim>>(
+          std::vector<const Material<dim> *>{material.get()}, layout));
+        if (options.gravity)
+          {
+            for (unsigned int d = 0; d < dim; ++d)
+              acceleration[d] = -3. + d;
+            effects.loads.push_back(
+              std::make_unique<Gravity<dim>>(acceleration, layout["mass"]));
+          }
+        balance = std::make_unique<Balance<dim>>(std::move(effects));
+        shape_functions =
+          std::make_unique<LinearShapeFunctions<dim>>(layout["body"]);
+
+        particles.initialize(grid->triangulation(),
+                             grid->mapping(),
+                             layout.n_components());
+        add_points(options);
+      }
+
+      /** Random points, the same on any number of ranks. */
+      void
+      add_points(const CloudOptions &options)
+      {
+        std::mt19937                           generator(options.seed);
+        std::uniform_real_distribution<double> unit(0., 1.);
+        const auto                             random = [&](const double size) {
+          return size * (2. * unit(generator) - 1.);
+        };
+        for (unsigned int id = 0; id < options.n_points; ++id)
+          {
+            dealii::Point<dim> x;
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                const double margin = 0.1 * grid->cell_size()[d];
+                x[d] =
+                  grid->lower_corner()[d] + margin +
+                  unit(generator) * (grid->upper_corner()[d] -
+                                     grid->lower_corner()[d] - 2. * margin);
+              }
+            std::vector<double> values = layout.initial_values();
+            for (unsigned int d = 0; d < dim; ++d)
+              values[layout["velocity"] + d] =
+                0.5 + 0.4 * x[(d + 1) % dim] + random(0.2);
+            values[layout["mass"]]             = 0.5 + unit(generator);
+            values[layout["reference_volume"]] = 0.02 + 0.01 * unit(generator);
+
+            dealii::Tensor<2, dim> F;
+            for (unsigned int i = 0; i < dim; ++i)
+              for (unsigned int j = 0; j < dim; ++j)
+                F[i][j] = (i == j) + random(0.15);
+            MaterialBatch<dim> state;
+            state.n_points = 1;
+            state.left_cauchy_green[0] =
+              mandel::symmetric_part<dim>(F * transpose(F), 1. + random(0.05));
+            material->evaluate(state);
+            for (unsigned int c = 0; c < n_mandel<dim>; ++c)
+              {
+                values[layout["left_cauchy_green"] + c] =
+                  state.left_cauchy_green[0][c];
+                values[layout["kirchhoff_stress"] + c] =
+                  state.kirchhoff_stress[0][c];
+              }
+            values[layout["strain_energy_density"]] = state.stored_energy[0];
+            insert(id, x, values);
+          }
+        particles.update_cached_numbers();
+      }
+
+      /** Insert a particle on the rank that owns its cell. */
+      void
+      insert(const unsigned int         id,
+             const dealii::Point<dim>  &x,
+             const std::vector<double> &values)
+      {
+        for (const auto &cell : grid->triangulation().active_cell_iterators())
+          if (cell->is_locally_owned())
+            {
+              dealii::Point<dim> reference;
+              bool               is_inside = true;
+              for (unsigned int d = 0; d < dim; ++d)
+                {
+                  reference[d] =
+                    (x[d] - cell->vertex(0)[d]) / grid->cell_size()[d];
+                  is_inside =
+                    is_inside && reference[d] >= 0. && reference[d] < 1.;
+                }
+              if (is_inside)
+                particles.insert_particle(x,
+                                          reference,
+                                          id,
+                                          cell,
+                                          dealii::ArrayView<const double>(
+                                            values.data(), values.size()));
+            }
+      }
+    };
+  } // namespace test
+} // namespace emmy
+
+#endif
