@@ -52,20 +52,28 @@ namespace emmy
       }
     };
 
-    /** Two discs or balls that collide off their axis. */
-    inline std::string
-    collision_text(const unsigned int dim, const unsigned int points)
+    /** Mass of all particles of all ranks, kg. */
+    template <int dim>
+    double
+    total_mass(const Scene<dim> &scene)
     {
-      const std::string zero = dim == 2 ? "" : "; 0",
-                        mid  = dim == 2 ? "" : ", 1.5";
-      return "set Dimension = " + std::to_string(dim) +
-             "\n"
+      double mass = 0.;
+      for (const auto &particle : scene.particles)
+        mass += particle.get_properties()[scene.layout["mass"]];
+      return dealii::Utilities::MPI::sum(mass, MPI_COMM_WORLD);
+    }
+
+    /** Two discs of two materials that collide off their axis. */
+    inline std::string
+    collision_text(const unsigned int points_per_direction)
+    {
+      const std::string points = std::to_string(points_per_direction);
+      return "set Dimension = 2\n"
              "subsection Grid\n"
-             "set Lower corner = 0, 0" +
-             (dim == 2 ? "" : ", 0") + "\nset Upper corner = 6, 4" +
-             (dim == 2 ? "" : ", 3") + "\nset Cells = 12, 8" +
-             (dim == 2 ? "" : ", 6") +
-             "\nend\n"
+             "set Lower corner = 0, 0\n"
+             "set Upper corner = 6, 4\n"
+             "set Cells = 12, 8\n"
+             "end\n"
              "subsection Materials\n"
              "set Names = rubber, cork\n"
              "subsection rubber\n"
@@ -81,15 +89,17 @@ namespace emmy
              "subsection left\n"
              "set Shape = ball\nset Material = rubber\n"
              "set Points per direction = " +
-             std::to_string(points) + "\nset Initial velocity = 0.9; 0.1" +
-             zero + "\nsubsection ball\nset Center = 1.9, 1.8" + mid +
-             "\nset Radius = 0.8\nend\nend\n"
+             points +
+             "\nset Initial velocity = 0.9; 0.1\n"
+             "subsection ball\n"
+             "set Center = 1.9, 1.8\nset Radius = 0.8\nend\nend\n"
              "subsection right\n"
              "set Shape = ball\nset Material = cork\n"
              "set Points per direction = " +
-             std::to_string(points) + "\nset Initial velocity = -0.7; 0" +
-             zero + "\nsubsection ball\nset Center = 4, 2.3" + mid +
-             "\nset Radius = 0.9\nend\nend\nend\n"
+             points +
+             "\nset Initial velocity = -0.7; 0\n"
+             "subsection ball\n"
+             "set Center = 4, 2.3\nset Radius = 0.9\nend\nend\nend\n"
              "subsection Time\nset End time = 2\n"
              "set Step rule = normalised\nset Factor = 0.4\nend\n"
              "subsection Solver\nset Newton tolerance = 1e-15\nend\n";

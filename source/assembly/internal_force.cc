@@ -114,6 +114,15 @@ namespace emmy
               }
         }
     }
+    template <class Particle>
+    std::string
+    inverted_particle(const Particle &particle)
+    {
+      return "particle " + std::to_string(particle.get_id()) + " at (" +
+             dealii::Patterns::Tools::to_string(particle.get_location()) +
+             ") m is turned inside out (det of the step's deformation "
+             "gradient is not positive)";
+    }
   } // namespace
 
   template <int dim>
@@ -143,10 +152,10 @@ namespace emmy
                           Vector              &force,
                           Matrix              *jacobian) const
   {
-    constexpr int          n_tensor = n_mandel<dim>;
-    const ActiveGrid<dim> &active   = *step.start.active;
-    const double          *volumes  = step.points.component(reference_volume);
+    const ActiveGrid<dim> &active  = *step.start.active;
+    const double          *volumes = step.points.component(reference_volume);
     std::vector<double>    nodal_force(dim * active.n_local_nodes());
+    std::string            problem;
 
     // too large for the stack of a thread
     const auto batch    = std::make_unique<StressBatch<dim>>();
@@ -172,43 +181,18 @@ namespace emmy
                                    iterate.local_displacement.data(),
                                    nodes,
                                    *batch);
-            for (unsigned int q = 0; q < batch->n_points; ++q)
-              {
-                batch->left_cauchy_green_old[q] =
-                  step.points.template get<n_tensor>(left_cauchy_green,
-                                                     point + q);
-                batch->kirchhoff_stress_old[q] =
-                  step.points.template get<n_tensor>(kirchhoff_stress,
-                                                     point + q);
-                batch->stored_energy_old[q] =
-                  step.points.component(strain_energy_density)[point + q];
-              }
+            read_states(step, point, *batch);
 
             const unsigned int inverted =
               conserving_stress(*material_of_body[group.body], *batch);
             if (inverted < batch->n_points)
               {
-                const auto &particle =
-                  *step.stencils.particles[point + inverted];
-                return "particle " + std::to_string(particle.get_id()) +
-                       " at (" +
-                       dealii::Patterns::Tools::to_string(
-                         particle.get_location()) +
-                       ") m is turned inside out (det of the step's "
-                       "deformation gradient is not positive)";
+                problem =
+                  inverted_particle(*step.stencils.particles[point + inverted]);
+                break;
               }
 
-            for (unsigned int q = 0; q < batch->n_points; ++q)
-              {
-                iterate.trial.set(left_cauchy_green,
-                                  point + q,
-                                  batch->material.left_cauchy_green[q]);
-                iterate.trial.set(kirchhoff_stress,
-                                  point + q,
-                                  batch->material.kirchhoff_stress[q]);
-                iterate.trial.component(strain_energy_density)[point + q] =
-                  batch->material.stored_energy[q];
-              }
+            write_states(*batch, point, iterate.trial);
             add_forces(step.stencils,
                        group,
                        first,
@@ -236,8 +220,45 @@ namespace emmy
                                                             *jacobian);
           }
       }
-    active.add(nodal_force, force);
-    return "";
+    active.add(nodal_force, force); // collective: also after a problem
+    return problem;
+  }
+
+  template <int dim>
+  void
+  InternalForce<dim>::read_states(const StepData<dim> &step,
+                                  const std::size_t    first,
+                                  StressBatch<dim>    &batch) const
+  {
+    constexpr int n = n_mandel<dim>;
+    for (unsigned int q = 0; q < batch.n_points; ++q)
+      {
+        batch.left_cauchy_green_old[q] =
+          step.points.template get<n>(left_cauchy_green, first + q);
+        batch.kirchhoff_stress_old[q] =
+          step.points.template get<n>(kirchhoff_stress, first + q);
+        batch.stored_energy_old[q] =
+          step.points.component(strain_energy_density)[first + q];
+      }
+  }
+
+  template <int dim>
+  void
+  InternalForce<dim>::write_states(const StressBatch<dim> &batch,
+                                   const std::size_t       first,
+                                   PointArrays<dim>       &trial) const
+  {
+    for (unsigned int q = 0; q < batch.n_points; ++q)
+      {
+        trial.set(left_cauchy_green,
+                  first + q,
+                  batch.material.left_cauchy_green[q]);
+        trial.set(kirchhoff_stress,
+                  first + q,
+                  batch.material.kirchhoff_stress[q]);
+        trial.component(strain_energy_density)[first + q] =
+          batch.material.stored_energy[q];
+      }
   }
 
   template <int dim>

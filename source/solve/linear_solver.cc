@@ -236,7 +236,6 @@ namespace emmy
       constraints.set_zero(residual);
       return residual.l2_norm();
     };
-    x           = 0.;
     double norm = update_residual(x);
     for (unsigned int i = 0; i < max_refinements && norm > 0.; ++i)
       {

@@ -1,15 +1,16 @@
 #include <emmy/base/text.h>
 #include <emmy/solve/newton.h>
 
+#include <limits>
+
 namespace emmy
 {
   namespace
   {
     /** |r| below this fraction of the forces is round-off, ... */
     constexpr double force_round_off = 1e-12;
-    /** ... if its work is so too. At nodes that few particles reach, small
-        forces can do much work. */
-    constexpr double work_round_off = 1e-14;
+    /** ... and if its work is so too, there is nothing left to gain. */
+    constexpr double work_round_off = 1e-13;
   } // namespace
 
   Newton::Newton(const SolverParameters &parameters,
@@ -39,7 +40,15 @@ namespace emmy
       }
     double norm = equation.residual().l2_norm();
     result.residual_history.push_back(norm);
-    if (norm <= force_round_off * equation.scale())
+    // At nodes that few particles reach, small forces can do much work: go on
+    // as long as the residual falls.
+    const auto is_round_off = [&](const double norm_before) {
+      return norm <= force_round_off * equation.scale() &&
+             (norm > 0.5 * norm_before ||
+              absolute_product(equation.residual(), solution) <=
+                work_round_off * equation.work_scale());
+    };
+    if (is_round_off(std::numeric_limits<double>::max()))
       {
         result.is_converged = true;
         return result;
@@ -84,15 +93,14 @@ namespace emmy
             return result;
           }
 
-        norm = equation.residual().l2_norm();
+        const double norm_before = norm;
+        norm                     = equation.residual().l2_norm();
         result.residual_history.push_back(norm);
         result.work_history.push_back(
           absolute_product(equation.residual(), increment));
         reference         = std::min(reference, result.work_history.front());
         const double work = result.work_history.back();
-        if (work < tolerance * reference ||
-            (norm <= force_round_off * equation.scale() &&
-             work <= work_round_off * equation.work_scale()))
+        if (work < tolerance * reference || is_round_off(norm_before))
           {
             result.is_converged = true;
             return result;

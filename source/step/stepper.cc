@@ -126,7 +126,7 @@ namespace emmy
     if (!linear_solver)
       linear_solver =
         make_linear_solver(solver_parameters, start.active->n_dofs(), dim);
-    Vector       velocity = start.active->make_vector();
+    Vector       velocity = start.mean_velocity;
     LinearResult result   = linear_solver->prepare(start.damped_mass);
     if (result.is_solved)
       result = solve_to_round_off(*linear_solver,
@@ -184,8 +184,13 @@ namespace emmy
     result.kinetic_energy_grid_new =
       0.5 * start->mass.matrix_norm_square(solution.velocity);
     result.energies = solution.equation->energies(solution.displacement);
+    // what the two solves left: of the balance of momentum, and of the map
+    Vector misfit = start->momentum, velocity_change = solution.velocity;
+    start->mass.residual(misfit, start->velocity, start->momentum);
+    velocity_change -= start->velocity;
     result.residual_work =
-      solution.equation->residual() * solution.displacement;
+      solution.equation->residual() * solution.displacement +
+      misfit * velocity_change;
     result.newton_iterations = solution.newton.iterations;
     result.linear_iterations = solution.newton.linear_iterations;
     result.active_cells =

@@ -61,32 +61,42 @@ namespace emmy
   sort_into_cells(const BackgroundGrid<dim>               &grid,
                   dealii::Particles::ParticleHandler<dim> &particles)
   {
-    for (auto &particle : particles)
-      particle.set_location(grid.clamped(particle.get_location()));
-
-    // deal.II looks for a particle's new cell on the owned and ghost cells.
-    // One that went farther is caught here and handed to its rank.
+    // deal.II hands particles on to neighbouring cells, which this rank knows.
+    // Those that went farther may be in cells that it does not know.
     const auto n_before = particles.n_global_particles();
-    std::vector<dealii::Particles::Particle<dim>> travellers;
-    const auto connection = particles.signals.particle_lost.connect(
-      [&travellers](const auto &particle, const auto &) {
-        travellers.push_back(
-          dealii::Particles::Particle<dim>(particle->get_location(),
-                                           particle->get_reference_location(),
-                                           particle->get_id()));
-        travellers.back().set_properties(particle->get_properties());
-      });
+    std::vector<typename Stencils<dim>::ParticleIterator> far;
+    std::vector<dealii::Point<dim>>                       positions;
+    std::vector<std::vector<double>>                      properties;
+    std::vector<dealii::types::particle_index>            ids;
+    for (auto particle = particles.begin(); particle != particles.end();
+         ++particle)
+      {
+        const dealii::Point<dim> x = grid.clamped(particle->get_location());
+        particle->set_location(x);
+        const auto from = particle->get_surrounding_cell()->center();
+        for (unsigned int d = 0; d < dim; ++d)
+          if (std::abs(x[d] - from[d]) > 1.5 * grid.cell_size()[d])
+            {
+              far.push_back(particle);
+              positions.push_back(x);
+              const auto values = particle->get_properties();
+              properties.emplace_back(values.begin(), values.end());
+              ids.push_back(particle->get_id());
+              break;
+            }
+      }
+    particles.remove_particles(far);
     particles.sort_particles_into_subdomains_and_cells();
-    connection.disconnect();
-
-    if (dealii::Utilities::MPI::max(travellers.size(), grid.communicator()) > 0)
+    if (dealii::Utilities::MPI::max(far.size(), grid.communicator()) > 0)
       {
         const auto owned =
           dealii::GridTools::compute_mesh_predicate_bounding_box(
             grid.triangulation(), dealii::IteratorFilters::LocallyOwnedCell());
         particles.insert_global_particles(
-          travellers,
-          dealii::Utilities::MPI::all_gather(grid.communicator(), owned));
+          positions,
+          dealii::Utilities::MPI::all_gather(grid.communicator(), owned),
+          properties,
+          ids);
       }
     throw_together(grid.communicator(),
                    "Moving particles to their cells",

@@ -61,7 +61,7 @@ namespace
     const auto solver =
       make_linear_solver(*cloud.solver_parameters, active.n_dofs(), dim);
     solver->prepare(start.damped_mass);
-    start.velocity = active.make_vector();
+    start.velocity = start.mean_velocity;
     solve_to_round_off(*solver,
                        start.mass,
                        active.constraints(),

@@ -51,7 +51,8 @@ namespace emmy
      * derivative, not of the force. Collective.
      *
      * @return what is wrong on this rank with the iterate, empty if nothing;
-     *   then force and jacobian may be incomplete.
+     *   then force and jacobian may be incomplete, but all collective calls
+     *   have been made.
      */
     virtual std::string
     add(const StepData<dim> &step,

@@ -2,7 +2,7 @@
 #define emmy_assembly_internal_force_h
 
 #include <emmy/assembly/force_term.h>
-#include <emmy/material/material.h>
+#include <emmy/material/conserving_stress.h>
 
 namespace emmy
 {
@@ -38,6 +38,18 @@ namespace emmy
     energy_entries() const override;
 
   private:
+    /** States at t of the batch that starts at point @p first. */
+    void
+    read_states(const StepData<dim> &step,
+                const std::size_t    first,
+                StressBatch<dim>    &batch) const;
+
+    /** States at t + dt of that batch. */
+    void
+    write_states(const StressBatch<dim> &batch,
+                 const std::size_t       first,
+                 PointArrays<dim>       &trial) const;
+
     const std::vector<const Material<dim> *> material_of_body;
     const unsigned int reference_volume, left_cauchy_green, kirchhoff_stress,
       strain_energy_density;

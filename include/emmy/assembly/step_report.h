@@ -34,7 +34,10 @@ namespace emmy
     /** Kinetic energy 1/2 v.M~ v of the grid at both ends of the step, J. */
     double kinetic_energy_grid_old = 0., kinetic_energy_grid_new = 0.;
     std::vector<EnergyEntry> energies;
-    /** Work of what Newton left of the residual, r.u, J. */
+    /**
+     * Work of what the solvers left, J: r.u of Newton's residual, and
+     * (v_new - v_old).(p - M~ v_old) of the point-to-grid map.
+     */
     double        residual_work     = 0.;
     unsigned int  newton_iterations = 0, linear_iterations = 0;
     std::uint64_t active_cells = 0, active_dofs = 0;

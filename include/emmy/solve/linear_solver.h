@@ -80,8 +80,9 @@ namespace emmy
   /**
    * Solve A x = b on the unconstrained unknowns to round-off: by iterative
    * refinement, until the residual no longer falls, with a solver that was
-   * prepared with a matrix close to A. The identities of the ledger need a
-   * small residual, not a small condition number.
+   * prepared with a matrix close to A. Starts from @p x, which satisfies the
+   * constraints, and keeps what A cannot see of it. The identities of the
+   * ledger need a small residual, not a small condition number.
    */
   LinearResult
   solve_to_round_off(LinearSolver                            &solver,
