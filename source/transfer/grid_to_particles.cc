@@ -1,8 +1,11 @@
-#include <deal.II/grid/filtered_iterator.h>
-#include <deal.II/grid/grid_tools.h>
 
 #include <emmy/base/exceptions.h>
 #include <emmy/transfer/grid_to_particles.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
 
 namespace emmy
 {
@@ -56,6 +59,108 @@ namespace emmy
     return "";
   }
 
+  namespace
+  {
+    /** Which cell of the grid, counted per direction. */
+    template <int dim>
+    using Lattice = std::array<unsigned int, dim>;
+
+    template <int dim>
+    Lattice<dim>
+    lattice_index(const BackgroundGrid<dim> &grid, const dealii::Point<dim> &x)
+    {
+      Lattice<dim> index;
+      for (unsigned int d = 0; d < dim; ++d)
+        index[d] =
+          std::min<double>(grid.n_cells()[d] - 1,
+                           std::max(0.,
+                                    std::floor((x[d] - grid.lower_corner()[d]) /
+                                               grid.cell_size()[d])));
+      return index;
+    }
+
+    /**
+     * Insert particles that another rank may own: [x, id, fields] each, one
+     * after the other. They go to all ranks whose cells span their position;
+     * the one that owns the cell keeps them. Collective. (In deal.II 9.4
+     * insert_global_particles() hangs if a rank receives none.)
+     */
+    template <int dim>
+    void
+    insert_anywhere(const std::vector<double>               &packed,
+                    const BackgroundGrid<dim>               &grid,
+                    dealii::Particles::ParticleHandler<dim> &particles)
+    {
+      using namespace dealii::Utilities::MPI;
+      const unsigned int n_fields = particles.n_properties_per_particle(),
+                         length   = dim + 1 + n_fields;
+      const auto position         = [](const double *values) {
+        dealii::Point<dim> x;
+        for (unsigned int d = 0; d < dim; ++d)
+          x[d] = values[d];
+        return x;
+      };
+
+      std::map<Lattice<dim>, typename BackgroundGrid<dim>::Cell> owned;
+      Lattice<dim> first{}, last{};
+      first.fill(std::numeric_limits<unsigned int>::max());
+      for (const auto &cell : grid.triangulation().active_cell_iterators())
+        if (cell->is_locally_owned())
+          {
+            const auto index = lattice_index<dim>(grid, cell->center());
+            owned[index]     = cell;
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                first[d] = std::min(first[d], index[d]);
+                last[d]  = std::max(last[d], index[d]);
+              }
+          }
+
+      const auto boxes =
+        all_gather(grid.communicator(), std::make_pair(first, last));
+      std::map<unsigned int, std::vector<double>> outgoing;
+      for (std::size_t i = 0; i < packed.size(); i += length)
+        {
+          const auto index = lattice_index<dim>(grid, position(&packed[i]));
+          for (unsigned int rank = 0; rank < boxes.size(); ++rank)
+            {
+              bool is_inside = true;
+              for (unsigned int d = 0; d < dim; ++d)
+                is_inside = is_inside && index[d] >= boxes[rank].first[d] &&
+                            index[d] <= boxes[rank].second[d];
+              if (is_inside)
+                outgoing[rank].insert(outgoing[rank].end(),
+                                      &packed[i],
+                                      &packed[i] + length);
+            }
+        }
+      for (const auto &[sender, incoming] :
+           some_to_some(grid.communicator(), outgoing))
+        {
+          (void)sender;
+          for (std::size_t i = 0; i < incoming.size(); i += length)
+            {
+              const auto x    = position(&incoming[i]);
+              const auto cell = owned.find(lattice_index<dim>(grid, x));
+              if (cell == owned.end())
+                continue;
+              dealii::Point<dim> reference;
+              for (unsigned int d = 0; d < dim; ++d)
+                reference[d] =
+                  (x[d] - cell->second->vertex(0)[d]) / grid.cell_size()[d];
+              particles.insert_particle(
+                x,
+                reference,
+                static_cast<dealii::types::particle_index>(incoming[i + dim]),
+                cell->second,
+                dealii::ArrayView<const double>(&incoming[i + dim + 1],
+                                                n_fields));
+            }
+        }
+      particles.update_cached_numbers();
+    }
+  } // namespace
+
   template <int dim>
   void
   sort_into_cells(const BackgroundGrid<dim>               &grid,
@@ -65,39 +170,31 @@ namespace emmy
     // Those that went farther may be in cells that it does not know.
     const auto n_before = particles.n_global_particles();
     std::vector<typename Stencils<dim>::ParticleIterator> far;
-    std::vector<dealii::Point<dim>>                       positions;
-    std::vector<std::vector<double>>                      properties;
-    std::vector<dealii::types::particle_index>            ids;
+    std::vector<double>                                   packed;
     for (auto particle = particles.begin(); particle != particles.end();
          ++particle)
       {
         const dealii::Point<dim> x = grid.clamped(particle->get_location());
         particle->set_location(x);
-        const auto from = particle->get_surrounding_cell()->center();
+        const auto distance = x - particle->get_surrounding_cell()->center();
+        bool       is_far   = false;
         for (unsigned int d = 0; d < dim; ++d)
-          if (std::abs(x[d] - from[d]) > 1.5 * grid.cell_size()[d])
-            {
-              far.push_back(particle);
-              positions.push_back(x);
-              const auto values = particle->get_properties();
-              properties.emplace_back(values.begin(), values.end());
-              ids.push_back(particle->get_id());
-              break;
-            }
+          is_far = is_far || std::abs(distance[d]) > 1.5 * grid.cell_size()[d];
+        if (is_far)
+          {
+            far.push_back(particle);
+            for (unsigned int d = 0; d < dim; ++d)
+              packed.push_back(x[d]);
+            packed.push_back(particle->get_id());
+            const auto fields = particle->get_properties();
+            packed.insert(packed.end(), fields.begin(), fields.end());
+          }
       }
     particles.remove_particles(far);
     particles.sort_particles_into_subdomains_and_cells();
     if (dealii::Utilities::MPI::max(far.size(), grid.communicator()) > 0)
-      {
-        const auto owned =
-          dealii::GridTools::compute_mesh_predicate_bounding_box(
-            grid.triangulation(), dealii::IteratorFilters::LocallyOwnedCell());
-        particles.insert_global_particles(
-          positions,
-          dealii::Utilities::MPI::all_gather(grid.communicator(), owned),
-          properties,
-          ids);
-      }
+      insert_anywhere(packed, grid, particles);
+
     throw_together(grid.communicator(),
                    "Moving particles to their cells",
                    particles.n_global_particles() == n_before
