@@ -158,5 +158,10 @@ main(int argc, char *argv[])
       // other ranks may wait for this one
       MPI_Abort(MPI_COMM_WORLD, 1);
     }
+  catch (...) // Epetra throws numbers
+    {
+      std::cerr << "\nemmy: unexpected error of an unknown kind" << std::endl;
+      MPI_Abort(MPI_COMM_WORLD, 1);
+    }
   return 0;
 }

@@ -179,12 +179,17 @@ namespace emmy
         catch (const std::exception &)
           {
             result.is_solved = false;
-            result.problem = name() + " did not reach the relative residual " +
-                             shortest(tolerance) + " in " +
-                             std::to_string(control.last_step()) +
-                             " iterations";
+            // a method that breaks down leaves no number of steps
+            result.problem =
+              name() +
+              (control.last_step() == dealii::numbers::invalid_unsigned_int
+                 ? " broke down"
+                 : " did not reach the relative residual " +
+                     shortest(tolerance) + " in " +
+                     std::to_string(control.last_step()) + " iterations");
           }
-        result.iterations = control.last_step();
+        if (control.last_step() != dealii::numbers::invalid_unsigned_int)
+          result.iterations = control.last_step();
         return result;
       }
 

@@ -33,11 +33,17 @@ namespace emmy
   Stepper<dim>::advance()
   {
     // particles -> grid
-    const Stencils<dim>    stencils = shape_functions.evaluate(particles, grid);
-    const PointArrays<dim> points   = gather(stencils, layout);
-    GridStart<dim>        &at_start = particles_to_grid(stencils, points);
-    at_start.velocity               = velocity_from_momentum(at_start);
-    start                           = &at_start;
+    const Stencils<dim>    stencils = timed("stencils", [&] {
+      return shape_functions.evaluate(particles, grid);
+    });
+    const PointArrays<dim> points =
+      timed("gather", [&] { return gather(stencils, layout); });
+    GridStart<dim> &at_start =
+      timed("particles to grid", [&]() -> GridStart<dim> & {
+        return particles_to_grid(stencils, points);
+      });
+    at_start.velocity = velocity_from_momentum(at_start);
+    start             = &at_start;
 
     // solve; until here and for as long as the step fails, particles keep
     // their states
@@ -45,8 +51,11 @@ namespace emmy
 
     // grid -> particles
     const StepReport result = report(solution, points);
-    grid_to_particles(
-      stencils, solution.equation->trial(), layout, grid, particles);
+    timed("grid to particles", [&] {
+      grid_to_particles(
+        stencils, solution.equation->trial(), layout, grid, particles);
+    });
+    count_points(points.n_points(), solution.newton.residual_history.size());
     velocity    = solution.velocity;
     time        = result.time;
     step_number = result.step;
@@ -106,6 +115,17 @@ namespace emmy
                    "corner, Upper corner), end the run earlier (Time/End "
                    "time), or fix that side (Boundary conditions).");
     return solution;
+  }
+
+  template <int dim>
+  void
+  Stepper<dim>::count_points(const std::size_t n_points,
+                             const std::size_t n_evaluations)
+  {
+    for (const char *phase :
+         {"stencils", "gather", "particles to grid", "grid to particles"})
+      phases.add_count(phase, n_points);
+    phases.add_count("residual and tangent", n_points * n_evaluations);
   }
 
   template <int dim>

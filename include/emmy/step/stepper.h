@@ -55,6 +55,15 @@ namespace emmy
     grid_velocity() const;
 
   private:
+    /** Call @p stage and book its time under @p phase. */
+    template <class Stage>
+    decltype(auto)
+    timed(const char *phase, Stage &&stage)
+    {
+      const auto scope = phases.scope(phase);
+      return stage();
+    }
+
     /** A solved step that is not yet written to the particles. */
     struct Solution
     {
@@ -65,6 +74,9 @@ namespace emmy
       std::vector<std::string>           notes;
     };
 
+    /** For the rates in the table of phases. */
+    void
+    count_points(const std::size_t n_points, const std::size_t n_evaluations);
     double
     next_time_step(const Stencils<dim>    &stencils,
                    const PointArrays<dim> &points) const;
