@@ -102,10 +102,8 @@ namespace emmy
         force = 0.;
         const std::string problem =
           term->add(step, iterate, force, with_jacobian ? &tangent : nullptr);
-        if (found.empty())
-          found = problem;
-        if (dealii::Utilities::MPI::max(found.empty() ? 0 : 1,
-                                        active.communicator()) == 1)
+        found = agree_on_problem(active.communicator(), problem);
+        if (!found.empty())
           return false;
         full_residual += force;
         force_scale = std::max(force_scale, force.l2_norm());

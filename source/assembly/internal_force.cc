@@ -1,3 +1,5 @@
+#include <deal.II/lac/full_matrix.h>
+
 #include <emmy/assembly/internal_force.h>
 #include <emmy/material/conserving_stress.h>
 
@@ -166,6 +168,8 @@ namespace emmy
     for (const auto &group : step.stencils.groups)
       {
         const unsigned int *nodes = active.nodes(group);
+        if (!problem.empty())
+          break;
         if (jacobian)
           stiffness.reinit(dim * group.n_nodes, dim * group.n_nodes);
 

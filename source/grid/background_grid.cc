@@ -95,8 +95,8 @@ namespace emmy
   BackgroundGrid<dim>::number_nodes()
   {
     numbering.distribute_dofs(element);
-    dealii::IndexSet known;
-    dealii::DoFTools::extract_locally_relevant_dofs(numbering, known);
+    const dealii::IndexSet known =
+      dealii::DoFTools::extract_locally_relevant_dofs(numbering);
     node_partition = std::make_shared<dealii::Utilities::MPI::Partitioner>(
       numbering.locally_owned_dofs(), known, communicator());
 

@@ -51,7 +51,9 @@ namespace emmy
   Ledger::write_to(const std::string &filename)
   {
     file.open(filename);
-    AssertThrow(file, dealii::ExcFileNotOpen(filename));
+    name = filename;
+    if (!file.is_open())
+      write_problem = "cannot write <" + name + ">";
     file.precision(std::numeric_limits<double>::max_digits10);
     for (unsigned int c = 0; c < names.size(); ++c)
       file << (c ? "," : "") << names[c];
@@ -99,6 +101,12 @@ namespace emmy
       write_row(row);
   }
 
+  const std::string &
+  Ledger::problem() const
+  {
+    return write_problem;
+  }
+
   const std::vector<std::string> &
   Ledger::columns() const
   {
@@ -137,5 +145,7 @@ namespace emmy
     for (unsigned int c = 0; c < row.size(); ++c)
       file << (c ? "," : "") << row[c];
     file << '\n' << std::flush;
+    if (!file.good())
+      write_problem = "cannot write <" + name + ">";
   }
 } // namespace emmy

@@ -8,14 +8,12 @@
 
 namespace emmy
 {
-  Series::Series(const std::string       &directory,
-                 const std::string       &basename,
-                 const MPI_Comm           communicator,
-                 const std::vector<Entry> entries)
+  Series::Series(const std::string &directory,
+                 const std::string &basename,
+                 const MPI_Comm     communicator)
     : filename(
         (std::filesystem::path(directory) / (basename + ".pvd")).string())
     , communicator(communicator)
-    , frames(entries)
   {}
 
 
@@ -47,9 +45,4 @@ namespace emmy
   }
 
 
-  const std::vector<Series::Entry> &
-  Series::entries() const
-  {
-    return frames;
-  }
 } // namespace emmy

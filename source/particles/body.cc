@@ -1,9 +1,11 @@
-#include <emmy/base/collective.h>
+#include <emmy/base/dealii_version.h>
 #include <emmy/base/exceptions.h>
 #include <emmy/base/formula.h>
 #include <emmy/particles/body.h>
 
 #include <cmath>
+
+#include <limits>
 
 namespace emmy
 {
@@ -133,7 +135,7 @@ namespace emmy
     extent_problem(const Body<dim> &body, const BackgroundGrid<dim> &grid)
     {
       const auto box = body.shape->bounding_box();
-      // a shape that does not know its extent (expression) is cut by the grid
+      // a shape that does not know its extent (expression) is checked by points
       if (box.upper_bound(0) == std::numeric_limits<double>::max())
         return "";
       for (unsigned int d = 0; d < dim; ++d)
@@ -148,6 +150,29 @@ namespace emmy
                    shortest(grid.lower_corner()[d]) + " ... " +
                    shortest(grid.upper_corner()[d]) + " m";
         }
+      return "";
+    }
+
+    /**
+     * Whether a shape goes on beyond the grid next to one of its points: for
+     * shapes that do not know their extent.
+     */
+    template <int dim>
+    std::string
+    cut_problem(const Body<dim>           &body,
+                const BackgroundGrid<dim> &grid,
+                const Point<dim>          &point)
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        for (const double side : {-1., 1.})
+          {
+            Point<dim> next = point;
+            next[d] += side * grid.cell_size()[d] / body.points_per_direction;
+            if (!grid.contains(next) && body.shape->contains(next))
+              return "body <" + body.name +
+                     "> reaches outside the grid, e.g. at (" +
+                     dealii::Patterns::Tools::to_string(next) + ") m";
+          }
       return "";
     }
   } // namespace
@@ -177,6 +202,7 @@ namespace emmy
     };
     std::vector<Filling>       fillings;
     std::vector<unsigned long> n_points(bodies.size(), 0);
+    std::string                cut;
     std::string                overlap;
     for (const auto &cell : grid.triangulation().active_cell_iterators())
       if (cell->is_locally_owned())
@@ -184,6 +210,9 @@ namespace emmy
           {
             Filling filling{cell, b, points_in_cell(bodies[b], grid, cell)};
             n_points[b] += filling.points.size();
+            for (const Point<dim> &point : filling.points)
+              if (cell->at_boundary() && cut.empty())
+                cut = cut_problem(bodies[b], grid, point);
             for (const Point<dim> &point : filling.points)
               for (unsigned int other = 0; other < bodies.size(); ++other)
                 if (other != b && overlap.empty() &&
@@ -194,6 +223,11 @@ namespace emmy
             if (!filling.points.empty())
               fillings.push_back(std::move(filling));
           }
+    throw_together(communicator,
+                   "Bodies",
+                   cut,
+                   "enlarge the grid (Grid/Lower corner, Upper corner) or cut "
+                   "the shape there, e.g. with a product of its formula.");
     throw_together(communicator,
                    "Bodies",
                    overlap,

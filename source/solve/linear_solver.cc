@@ -63,6 +63,15 @@ namespace emmy
 
   namespace
   {
+    /** All ranks learn of a failure on any of them. Collective. */
+    LinearResult
+    agreed(LinearResult result, const MPI_Comm communicator)
+    {
+      result.problem   = agree_on_problem(communicator, result.problem);
+      result.is_solved = result.problem.empty();
+      return result;
+    }
+
     class DirectSolver : public LinearSolver
     {
     public:
@@ -77,24 +86,26 @@ namespace emmy
           }
         catch (const std::exception &)
           {
-            result.is_solved = false;
             result.problem = "the matrix is singular: LU factorisation failed";
           }
-        return result;
+        return agreed(result, matrix.get_mpi_communicator());
       }
 
       LinearResult
       solve(Vector &x, const Vector &b, const double) override
       {
         LinearResult result;
-        solver->solve(x, b);
-        const double norm = x.l2_norm();
-        if (!std::isfinite(norm))
+        try
           {
-            result.is_solved = false;
-            result.problem   = "the matrix is singular: LU gave no number";
+            solver->solve(x, b);
           }
-        return result;
+        catch (const std::exception &)
+          {
+            result.problem = "the matrix is singular: LU could not solve";
+          }
+        if (result.problem.empty() && !std::isfinite(x.l2_norm()))
+          result.problem = "the matrix is singular: LU gave no number";
+        return agreed(result, b.get_mpi_communicator());
       }
 
       std::string
@@ -154,11 +165,10 @@ namespace emmy
           }
         catch (const std::exception &)
           {
-            result.is_solved = false;
             result.problem =
               "the preconditioner " + preconditioner_name + " cannot be made";
           }
-        return result;
+        return agreed(result, matrix->get_mpi_communicator());
       }
 
       LinearResult
@@ -178,7 +188,6 @@ namespace emmy
           }
         catch (const std::exception &)
           {
-            result.is_solved = false;
             // a method that breaks down leaves no number of steps
             result.problem =
               name() +
@@ -190,7 +199,7 @@ namespace emmy
           }
         if (control.last_step() != dealii::numbers::invalid_unsigned_int)
           result.iterations = control.last_step();
-        return result;
+        return agreed(result, b.get_mpi_communicator());
       }
 
       std::string
@@ -257,6 +266,13 @@ namespace emmy
           break;
         x    = better;
         norm = better_norm;
+      }
+    // far above round-off, far below what a ledger would show
+    if (norm > 1e-10 * b.l2_norm())
+      {
+        result.is_solved = false;
+        result.problem   = "the residual of the point-to-grid map stays at " +
+                         shortest(norm / b.l2_norm()) + " of the momentum";
       }
     return result;
   }

@@ -2,6 +2,9 @@
 #include <emmy/base/text.h>
 #include <emmy/step/step_rule.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 
 namespace emmy

@@ -105,6 +105,7 @@ namespace emmy
     throw_together(grid.communicator(),
                    where,
                    move_points(stencils,
+                               points,
                                *start->active,
                                grid,
                                layout,

@@ -8,6 +8,8 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <exception>
 #include <fstream>
 #include <iostream>
 #include <sstream>
@@ -50,6 +52,7 @@ namespace emmy
           << " s, time step " << smallest << " to " << largest << " s\n"
           << "kinetic + stored energy " << ledger.total_energy()
           << " J, at the start " << energy << " J\n"
+          << "work of residuals " << ledger["residual_work"] << " J\n"
           << "balance error " << ledger["balance_error"] << " J";
       if (energy > 0.)
         out << ", " << std::abs(ledger["balance_error"]) / energy
@@ -119,6 +122,7 @@ namespace emmy
     // ranks throw it together; any other error passes, as one rank alone can
     // not finish the output.
     std::exception_ptr failure;
+    double             largest_energy = ledger.total_energy();
     try
       {
         const TimeParameters &limits = parameters.time;
@@ -131,14 +135,20 @@ namespace emmy
             for (const std::string &note : report.notes)
               progress.note(note);
             ledger.add(report);
+            throw_together(communicator,
+                           "Ledger",
+                           ledger.problem(),
+                           "check the folder's permissions and the disk's free "
+                           "space. What was written so far is kept.");
+            largest_energy = std::max(largest_energy, ledger.total_energy());
             frames.after(report);
             progress.step(report.step,
                           report.time,
                           report.time_step,
                           report.newton_iterations,
-                          ledger["balance_error"] /
-                            std::max(ledger.total_energy(),
-                                     std::numeric_limits<double>::min()));
+                          largest_energy > 0.
+                            ? ledger["balance_error"] / largest_energy
+                            : 0.);
           }
       }
     catch (const ExcRun &error)

@@ -5,6 +5,7 @@
 #include <emmy/study/scene.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iomanip>
 #include <ostream>
 
@@ -161,12 +162,22 @@ namespace emmy
         if (std::find(named.begin(), named.end(), name) == named.end())
           line("  not named") << name << '\n';
       }
-    // properties, position twice (real and reference cell), id
+    // properties, position twice (real and reference cell), id; then two
+    // copies of all states, and the stencils
     const std::size_t bytes = 8 * (layout.n_components() + 2 * dim) + 4;
+    const std::size_t step_bytes =
+      8 * (2 * (layout.n_components() + dim) +
+           BackgroundGrid<dim>::nodes_per_cell * (dim + 1));
+    // mass, damped mass, tangent: a number and an index per entry
+    const double matrix_bytes =
+      3. * 12. * stepper.grid_start().mass.n_nonzero_elements();
     line("particles") << initial.totals.particles << ", "
                       << layout.n_components() << " numbers each, " << bytes
                       << " bytes, together "
                       << bytes * initial.totals.particles / 1e6 << " MB\n";
+    line("work arrays") << step_bytes * initial.totals.particles / 1e6
+                        << " MB for the points of a step, "
+                        << matrix_bytes / 1e6 << " MB for matrices\n";
     line("mass") << initial.totals.mass << " kg\n";
     line("kinetic energy") << std::setprecision(16)
                            << initial.totals.kinetic_energy
@@ -174,10 +185,13 @@ namespace emmy
     line("active cells") << initial.active_cells << '\n';
     line("unknowns") << initial.active_dofs << '\n';
     line("first time step") << initial.time_step << " s\n";
+    const double n_steps =
+      std::ceil(parameters.time.end_time / initial.time_step);
+    const unsigned int limit = parameters.time.maximum_steps;
     line("steps") << "about "
-                  << static_cast<unsigned long>(
-                       std::ceil(parameters.time.end_time / initial.time_step))
-                  << " to t = " << parameters.time.end_time << " s\n";
+                  << (limit > 0 ? std::min<double>(limit, n_steps) : n_steps)
+                  << ", to t = " << parameters.time.end_time << " s"
+                  << (limit > 0 ? " or the limit of steps" : "") << '\n';
   }
 
   template class Scene<2>;

@@ -133,7 +133,7 @@ namespace emmy
       return names;
     }
 
-    /** What the file says, or the only valid answer to a missing choice. */
+    /** Throws ExcParameter for a choice that the file does not make. */
     void
     require_choice(const std::string              &value,
                    const std::string              &section,

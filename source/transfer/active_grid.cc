@@ -1,6 +1,6 @@
 #include <deal.II/lac/la_parallel_vector.h>
 
-#include <emmy/base/collective.h>
+#include <emmy/base/dealii_version.h>
 #include <emmy/transfer/active_grid.h>
 
 #include <algorithm>
@@ -149,7 +149,7 @@ namespace emmy
   ActiveGrid<dim>::make_constraints(
     const BoundaryConditions<dim> &boundary_conditions)
   {
-    essential.reinit(known_dofs);
+    reinit_constraints(essential, owned_dofs, known_dofs);
     for (unsigned int node = 0; node < n_local_nodes(); ++node)
       {
         const auto fixed =

@@ -2,6 +2,7 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/transfer/grid_to_particles.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -12,6 +13,7 @@ namespace emmy
   template <int dim>
   std::string
   move_points(const Stencils<dim>       &stencils,
+              const PointArrays<dim>    &points,
               const ActiveGrid<dim>     &active,
               const BackgroundGrid<dim> &grid,
               const FieldLayout         &layout,
@@ -30,12 +32,12 @@ namespace emmy
           const unsigned int *nodes = active.nodes(group);
           double             *x     = trial.position(c) + group.first_point;
           double *v = trial.component(velocity + c) + group.first_point;
-          for (unsigned int p = 0; p < group.n_points; ++p)
-            {
-              const auto &particle = *stencils.particles[group.first_point + p];
-              x[p]                 = particle.get_location()[c];
-              v[p]                 = particle.get_properties()[velocity + c];
-            }
+          std::copy_n(points.position(c) + group.first_point,
+                      group.n_points,
+                      x);
+          std::copy_n(points.component(velocity + c) + group.first_point,
+                      group.n_points,
+                      v);
           for (unsigned int a = 0; a < group.n_nodes; ++a)
             {
               const double *S       = stencils.value(group, a);
@@ -228,6 +230,7 @@ namespace emmy
 
 #define INSTANTIATE(dim)                                             \
   template std::string move_points<dim>(const Stencils<dim> &,       \
+                                        const PointArrays<dim> &,    \
                                         const ActiveGrid<dim> &,     \
                                         const BackgroundGrid<dim> &, \
                                         const FieldLayout &,         \

@@ -1,3 +1,5 @@
+#include <deal.II/lac/full_matrix.h>
+
 #include <emmy/transfer/particles_to_grid.h>
 
 namespace emmy

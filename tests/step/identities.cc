@@ -87,7 +87,7 @@ namespace
     auto trial = equation->trial();
     test::check(
       move_points(
-        stencils, active, *cloud.grid, cloud.layout, u, v_change, trial)
+        stencils, points, active, *cloud.grid, cloud.layout, u, v_change, trial)
         .empty(),
       what + ": no particle leaves the grid");
 

@@ -88,7 +88,7 @@ namespace emmy
     add(const StepData<dim> &step, std::vector<double> &local_force) const = 0;
   };
 
-  /** The effects of a scene, beyond inertia and internal force. */
+  /** All that acts in a scene, inertia and internal force among the terms. */
   template <int dim>
   struct Effects
   {

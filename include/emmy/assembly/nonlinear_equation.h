@@ -1,7 +1,7 @@
 #ifndef emmy_assembly_nonlinear_equation_h
 #define emmy_assembly_nonlinear_equation_h
 
-#include <emmy/transfer/particles_to_grid.h>
+#include <emmy/base/linear_algebra.h>
 
 #include <string>
 

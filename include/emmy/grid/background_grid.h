@@ -65,7 +65,7 @@ namespace emmy
      * Distribute the cells over the ranks so that each has about the same sum
      * of weights. Collective. Call it before anything refers to cells.
      *
-     * @param weight cost of a cell; 1000 is that of an empty cell.
+     * @param weight relative cost of a cell, at least 1
      */
     void
     repartition(const std::function<unsigned int(const Cell &)> &weight);

@@ -71,15 +71,6 @@ namespace emmy
       return result;
     }
 
-    /** Trace of the three-dimensional tensor. */
-    template <int dim>
-    double
-    trace(const MandelVector<dim> &a)
-    {
-      constexpr auto n = normal_components<dim>();
-      return a[n[0]] + a[n[1]] + a[n[2]];
-    }
-
     /** The dim x dim block as a full tensor. */
     template <int dim>
     dealii::Tensor<2, dim>

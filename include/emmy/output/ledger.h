@@ -29,12 +29,18 @@ namespace emmy
      */
     Ledger(const StepReport &initial, const unsigned int dim);
 
-    /** From now on write rows, those so far included, to a file. */
+    /**
+     * From now on write rows, those so far included, to a file.
+     */
     void
     write_to(const std::string &filename);
 
     void
     add(const StepReport &report);
+
+    /** What went wrong with the file on this rank; empty: nothing. */
+    const std::string &
+    problem() const;
 
     const std::vector<std::string> &
     columns() const;
@@ -59,6 +65,7 @@ namespace emmy
     std::vector<Row>         all_rows;
     std::vector<EnergyEntry> sums; ///< .change is the sum so far
     double                   residual_work = 0., balance_error = 0.;
+    std::string              name, write_problem;
     std::ofstream            file;
   };
 } // namespace emmy

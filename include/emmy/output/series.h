@@ -22,12 +22,10 @@ namespace emmy
 
     /**
      * @param directory an existing folder, the one of the frames
-     * @param entries   the frames so far of a run that is continued
      */
-    Series(const std::string       &directory,
-           const std::string       &basename,
-           const MPI_Comm           communicator,
-           const std::vector<Entry> entries = {});
+    Series(const std::string &directory,
+           const std::string &basename,
+           const MPI_Comm     communicator);
 
     /**
      * Collective: add the frame @p file, as DataFile::write() returned it, at
@@ -36,10 +34,6 @@ namespace emmy
      */
     void
     add(const double time, const std::string &file);
-
-    /** All frames so far, to be kept in a checkpoint. */
-    const std::vector<Entry> &
-    entries() const;
 
   private:
     const std::string  filename;

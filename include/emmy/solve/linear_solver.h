@@ -2,9 +2,8 @@
 #define emmy_solve_linear_solver_h
 
 #include <deal.II/lac/affine_constraints.h>
-#include <deal.II/lac/trilinos_sparse_matrix.h>
-#include <deal.II/lac/trilinos_vector.h>
 
+#include <emmy/base/linear_algebra.h>
 #include <emmy/base/section.h>
 
 #include <memory>
@@ -12,9 +11,6 @@
 
 namespace emmy
 {
-  using Matrix = dealii::TrilinosWrappers::SparseMatrix;
-  using Vector = dealii::TrilinosWrappers::MPI::Vector;
-
   /** Section `Solver`. */
   class SolverParameters : public Section
   {
@@ -32,7 +28,7 @@ namespace emmy
     validate() const;
   };
 
-  /** How a linear solve went. */
+  /** How a linear solve went; the same on all ranks. */
   struct LinearResult
   {
     bool         is_solved  = true;

@@ -30,7 +30,7 @@ namespace emmy
    * (that with r before the first increment, if smaller), or |r| to 1e-12 of
    * the forces that balance in it and its work to round-off (free flight,
    * rest). An increment that leaves the equation without meaning is halved, at
-   * most six times. Owned by the step.
+   * most six times. Made by the step for each attempt.
    */
   class Newton
   {

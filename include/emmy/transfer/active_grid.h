@@ -7,8 +7,8 @@
 
 #include <deal.II/lac/affine_constraints.h>
 #include <deal.II/lac/trilinos_sparsity_pattern.h>
-#include <deal.II/lac/trilinos_vector.h>
 
+#include <emmy/base/linear_algebra.h>
 #include <emmy/grid/boundary_conditions.h>
 #include <emmy/particles/stencils.h>
 
@@ -16,8 +16,6 @@
 
 namespace emmy
 {
-  using Vector = dealii::TrilinosWrappers::MPI::Vector;
-
   /**
    * The part of the grid that particles touch, and the equations on it: the
    * nodes of active cells, numbered without gaps over all ranks; the unknown

@@ -11,12 +11,16 @@ namespace emmy
    * Move the trial states: x_p += sum S u, v_p += sum S (v_new - v_old)
    * (FLIP; Pretti et al. 2023, eqs 29, 30). Nothing is written to particles.
    *
+   * @param points states at t
+   * @param trial  gets positions and velocities at t + dt
+   *
    * @return the particle of this rank that would leave the grid, in words;
    *   empty if there is none
    */
   template <int dim>
   std::string
   move_points(const Stencils<dim>       &stencils,
+              const PointArrays<dim>    &points,
               const ActiveGrid<dim>     &active,
               const BackgroundGrid<dim> &grid,
               const FieldLayout         &layout,

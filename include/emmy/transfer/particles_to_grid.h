@@ -1,8 +1,6 @@
 #ifndef emmy_transfer_particles_to_grid_h
 #define emmy_transfer_particles_to_grid_h
 
-#include <deal.II/lac/trilinos_sparse_matrix.h>
-
 #include <emmy/particles/field_layout.h>
 #include <emmy/particles/point_arrays.h>
 #include <emmy/transfer/active_grid.h>
@@ -11,8 +9,6 @@
 
 namespace emmy
 {
-  using Matrix = dealii::TrilinosWrappers::SparseMatrix;
-
   /** The particles of this rank as the step finds them, in stencil order. */
   template <int dim>
   PointArrays<dim>

@@ -1,11 +1,19 @@
-#ifndef emmy_base_collective_h
-#define emmy_base_collective_h
+#ifndef emmy_base_dealii_version_h
+#define emmy_base_dealii_version_h
 
+#include <deal.II/base/config.h>
+
+#include <deal.II/base/index_set.h>
 #include <deal.II/base/mpi.h>
+
+#include <deal.II/lac/affine_constraints.h>
 
 #include <cstdint>
 #include <utility>
 
+/**
+ * What differs between deal.II 9.4.1 and 9.6, in one place.
+ */
 namespace emmy
 {
   /**
@@ -25,6 +33,20 @@ namespace emmy
       up_to_here,
       dealii::Utilities::MPI::n_mpi_processes(communicator) - 1);
     return {up_to_here - count, total};
+  }
+
+  /** Empty constraints on unknowns of which this rank knows some. */
+  inline void
+  reinit_constraints(dealii::AffineConstraints<double> &constraints,
+                     const dealii::IndexSet            &owned,
+                     const dealii::IndexSet            &known)
+  {
+#if DEAL_II_VERSION_GTE(9, 6, 0)
+    constraints.reinit(owned, known);
+#else
+    (void)owned;
+    constraints.reinit(known);
+#endif
   }
 } // namespace emmy
 
