@@ -15,7 +15,7 @@ namespace emmy
     default_picture_times(const double end_time)
     {
       std::vector<double> times;
-      for (unsigned int i = 0; i <= 5; ++i)
+      for (unsigned int i = 0; i < 5; ++i) // finish() adds the end
         times.push_back(end_time * i / 5.);
       return times;
     }
