@@ -380,13 +380,13 @@ namespace
                              "end\n";
     std::string       message;
     try
-    {
-      text(many).parse(scene.prm);
-    }
+      {
+        text(many).parse(scene.prm);
+      }
     catch (const std::exception &error)
-    {
-      message = error.what();
-    }
+      {
+        message = error.what();
+      }
     for (const char *const where : {"line 2:", "line 3:", "line 11:"})
       check(message.find(where) != std::string::npos, where + message);
     for (const char *const where : {"line 4:", "line 5:", "line 8:"})
