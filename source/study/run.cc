@@ -59,6 +59,45 @@ namespace emmy
             << " of the initial energy";
       out << '\n';
     }
+
+    /**
+     * Step after step until the limits are met. @p report is the last accepted
+     * step, also when this throws. Collective.
+     */
+    template <int dim>
+    void
+    advance_to_end(Scene<dim>           &scene,
+                   const TimeParameters &limits,
+                   Ledger               &ledger,
+                   Frames<dim>          &frames,
+                   Progress             &progress,
+                   StepReport           &report)
+    {
+      double largest_energy = ledger.total_energy();
+      // a step that ends within round-off of the end time is the last
+      while (report.time < limits.end_time * (1. - 1e-12) &&
+             (limits.maximum_steps == 0 || report.step < limits.maximum_steps))
+        {
+          report = scene.stepper.advance();
+          for (const std::string &note : report.notes)
+            progress.note(note);
+          ledger.add(report);
+          throw_together(scene.grid.communicator(),
+                         "Ledger",
+                         ledger.problem(),
+                         "check the folder's permissions and the disk's free "
+                         "space. What was written so far is kept.");
+          frames.after(report);
+          largest_energy = std::max(largest_energy, ledger.total_energy());
+          progress.step(report.step,
+                        report.time,
+                        report.time_step,
+                        report.newton_iterations,
+                        largest_energy > 0.
+                          ? ledger["balance_error"] / largest_energy
+                          : 0.);
+        }
+    }
   } // namespace
 
   template <int dim>
@@ -122,34 +161,10 @@ namespace emmy
     // ranks throw it together; any other error passes, as one rank alone can
     // not finish the output.
     std::exception_ptr failure;
-    double             largest_energy = ledger.total_energy();
     try
       {
-        const TimeParameters &limits = parameters.time;
-        // a step that ends within round-off of the end time is the last
-        while (
-          report.time < limits.end_time * (1. - 1e-12) &&
-          (limits.maximum_steps == 0 || report.step < limits.maximum_steps))
-          {
-            report = scene.stepper.advance();
-            for (const std::string &note : report.notes)
-              progress.note(note);
-            ledger.add(report);
-            throw_together(communicator,
-                           "Ledger",
-                           ledger.problem(),
-                           "check the folder's permissions and the disk's free "
-                           "space. What was written so far is kept.");
-            largest_energy = std::max(largest_energy, ledger.total_energy());
-            frames.after(report);
-            progress.step(report.step,
-                          report.time,
-                          report.time_step,
-                          report.newton_iterations,
-                          largest_energy > 0.
-                            ? ledger["balance_error"] / largest_energy
-                            : 0.);
-          }
+        advance_to_end(
+          scene, parameters.time, ledger, frames, progress, report);
       }
     catch (const ExcRun &error)
       {
