@@ -89,6 +89,10 @@ In parallel: mpirun -np 2 emmy FILE.prm
     if (line.task == CommandLine::Task::print_parameters)
       {
         const emmy::SceneParameters<dim> parameters(file);
+        if (is_first && line.file.empty())
+          std::cout << "# The reference of all parameters, shown in three "
+                       "dimensions with\n# one section per material and "
+                       "shape. Not a scene.\n\n";
         if (is_first)
           parameters.print(std::cout);
       }

@@ -8,7 +8,8 @@ namespace emmy
   {
     this->add_parameter("Acceleration",
                         acceleration,
-                        "Components of the acceleration. Unit: m/s^2. "
+                        "Components of the acceleration, separated by commas: "
+                        "0, -9.81. Unit: m/s^2. "
                         "Required if gravity is named.",
                         this->prm,
                         dealii::Patterns::List(dealii::Patterns::Double(),

@@ -1,5 +1,7 @@
 #include <emmy/base/text.h>
 
+#include <sstream>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -74,5 +76,13 @@ namespace emmy
     std::array<char, 32> text; // the longest is 24: -2.2250738585072014e-308
     const auto end = std::to_chars(text.begin(), text.end(), number).ptr;
     return std::string(text.begin(), end);
+  }
+
+  std::string
+  brief(const double number)
+  {
+    std::ostringstream text;
+    text << number;
+    return text.str();
   }
 } // namespace emmy

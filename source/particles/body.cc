@@ -17,22 +17,25 @@ namespace emmy
     : Section(section)
     , shape_name(shape)
   {
-    this->add_parameter("Shape",
-                        shape_name,
-                        "What the body looks like: " +
-                          join(shape_library<dim>().names()) +
-                          ". Its measures stand in a subsection of that name. "
-                          "Required.");
+    this->add_parameter(
+      "Shape",
+      shape_name,
+      "What the body looks like: " + join(shape_library<dim>().names()) +
+        " (cylinder in 3D only; in plane strain a disc is a "
+        "ball). Its measures stand in a subsection of that name. "
+        "Required.");
     this->add_parameter("Material",
                         material,
                         "One of Materials/Names. Required.");
-    this->add_parameter("Points per direction",
-                        points_per_direction,
-                        "Each cell is divided into this number of boxes in "
-                        "each direction; a box whose centre is in the shape "
-                        "becomes a particle. Required.",
-                        this->prm,
-                        dealii::Patterns::Integer(0));
+    this->add_parameter(
+      "Points per direction",
+      points_per_direction,
+      "Each cell is divided into this number of boxes in "
+      "each direction; a box whose centre is in the shape "
+      "becomes a particle. The mass is that of these boxes: faces of the "
+      "body should lie on faces of boxes. Required.",
+      this->prm,
+      dealii::Patterns::Integer(0));
     this->add_parameter("Initial velocity",
                         initial_velocity,
                         "Components separated by ;, each a formula in x, y "

@@ -72,6 +72,12 @@ namespace emmy
         return box.point_inside(position, 0.);
       }
 
+      double
+      volume() const override
+      {
+        return box.volume();
+      }
+
       BoundingBox<dim>
       bounding_box() const override
       {
@@ -125,6 +131,13 @@ namespace emmy
       contains(const Point<dim> &position) const override
       {
         return position.distance_square(center) <= radius * radius;
+      }
+
+      double
+      volume() const override
+      {
+        const double disc = dealii::numbers::PI * radius * radius;
+        return dim == 2 ? disc : 4. / 3. * disc * radius;
       }
 
       BoundingBox<dim>
@@ -192,6 +205,12 @@ namespace emmy
         const double along     = from_base * axis;
         return along >= 0. && along <= length &&
                (from_base - along * axis).norm_square() <= radius * radius;
+      }
+
+      double
+      volume() const override
+      {
+        return dealii::numbers::PI * radius * radius * length;
       }
 
       BoundingBox<dim>
@@ -327,7 +346,7 @@ namespace emmy
                   }});
       if (dim == 3)
         shapes.add({"cylinder",
-                    "circular cylinder between two points",
+                    "circular cylinder between two points; in 3D only",
                     [](const std::string &section) {
                       return std::make_unique<CylinderParameters<dim>>(section);
                     }});

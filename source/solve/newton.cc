@@ -107,9 +107,9 @@ namespace emmy
           }
       }
     result.problem = "not converged in " + std::to_string(maximum_iterations) +
-                     " iterations; |r| fell from " +
-                     shortest(result.residual_history.front()) + " to " +
-                     shortest(norm) + " N";
+                     " iterations; |r| went from " +
+                     brief(result.residual_history.front()) + " to " +
+                     brief(norm) + " N";
     return result;
   }
 } // namespace emmy

@@ -17,7 +17,8 @@ namespace emmy
     // negative numbers pass the patterns so that validate() can explain them
     add_parameter("End time",
                   end_time,
-                  "The run ends at the first step that reaches it. Unit: s. "
+                  "The run ends at the first step that reaches it (see "
+                  "<Shorten last step>). Unit: s. "
                   "Required, positive.",
                   prm,
                   Double());
@@ -35,7 +36,8 @@ namespace emmy
                   Double());
     add_parameter("Factor",
                   factor,
-                  "Multiplies the rules wave, paper and normalised. "
+                  "Multiplies the rules wave, paper and normalised. 0.2 to "
+                  "0.5 resolves waves; more is stable, but coarse. "
                   "Dimensionless, positive.",
                   prm,
                   Double());

@@ -68,7 +68,7 @@ namespace emmy
                       const PointArrays<dim> &points)
   {
     const std::string where = "Step " + std::to_string(step_number + 1) +
-                              " from t = " + shortest(time) + " s";
+                              " from t = " + brief(time) + " s";
     Solution solution;
     solution.time_step = next_time_step(stencils, points);
     for (unsigned int halvings = 0;; ++halvings, solution.time_step *= 0.5)
@@ -88,14 +88,14 @@ namespace emmy
             grid.communicator(),
             where,
             "Newton does not converge, with the step halved " +
-              std::to_string(halvings) + " times to " +
-              shortest(step.time_step) + " s: " + solution.newton.problem,
+              std::to_string(halvings) + " times to " + brief(step.time_step) +
+              " s: " + solution.newton.problem,
             "the last accepted state was kept. Use a smaller Time/Factor or "
             "Step size, more Points per direction, or a stiffer or finer "
             "model; Time/Maximum halvings allows smaller steps.");
         solution.notes.push_back(where + ": " + solution.newton.problem +
-                                 "; halved to " +
-                                 shortest(0.5 * step.time_step) + " s");
+                                 "; halved to " + brief(0.5 * step.time_step) +
+                                 " s");
       }
 
     solution.velocity =

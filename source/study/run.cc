@@ -38,7 +38,8 @@ namespace emmy
     void
     summarise(std::ostream     &out,
               const Ledger     &ledger,
-              const StepReport &initial)
+              const StepReport &initial,
+              const double      largest_energy)
     {
       double smallest = 0., largest = 0.;
       for (unsigned int row = 1; row < ledger.rows().size(); ++row)
@@ -47,22 +48,25 @@ namespace emmy
           smallest        = row == 1 ? dt : std::min(smallest, dt);
           largest         = std::max(largest, dt);
         }
-      const double energy = initial.totals.kinetic_energy;
+      const auto &names = ledger.columns();
       out << "steps " << ledger["step"] << ", t = " << ledger["time"]
           << " s, time step " << smallest << " to " << largest << " s\n"
           << "kinetic + stored energy " << ledger.total_energy()
-          << " J, at the start " << energy << " J\n"
-          << "work of residuals " << ledger["residual_work"] << " J\n"
+          << " J, at the start " << initial.totals.kinetic_energy << " J\n";
+      if (std::find(names.begin(), names.end(), "load_work") != names.end())
+        out << "work of loads " << ledger["load_work"] << " J\n";
+      out << "work of residuals " << ledger["residual_work"] << " J\n"
           << "balance error " << ledger["balance_error"] << " J";
-      if (energy > 0.)
-        out << ", " << std::abs(ledger["balance_error"]) / energy
-            << " of the initial energy";
+      if (largest_energy > 0.)
+        out << ", " << std::abs(ledger["balance_error"]) / largest_energy
+            << " of the largest energy";
       out << '\n';
     }
 
     /**
      * Step after step until the limits are met. @p report is the last accepted
-     * step, also when this throws. Collective.
+     * step and @p largest_energy, J, that of all steps, also when this throws.
+     * Collective.
      */
     template <int dim>
     void
@@ -71,9 +75,9 @@ namespace emmy
                    Ledger               &ledger,
                    Frames<dim>          &frames,
                    Progress             &progress,
-                   StepReport           &report)
+                   StepReport           &report,
+                   double               &largest_energy)
     {
-      double largest_energy = ledger.total_energy();
       // a step that ends within round-off of the end time is the last
       while (report.time < limits.end_time * (1. - 1e-12) &&
              (limits.maximum_steps == 0 || report.step < limits.maximum_steps))
@@ -108,6 +112,9 @@ namespace emmy
   {
     const bool is_first =
       dealii::Utilities::MPI::this_mpi_process(communicator) == 0;
+    // mpirun shows a pseudo-terminal even when it writes to a file
+    const unsigned int n_ranks =
+      dealii::Utilities::MPI::n_mpi_processes(communicator);
     // swallows everything, for all ranks but the first
     std::ostream  nowhere(nullptr);
     std::ostream &screen = is_first ? std::cout : nowhere;
@@ -152,7 +159,7 @@ namespace emmy
     Frames<dim> frames(scene, parameters, directory);
     frames.initial();
     Progress progress(screen,
-                      is_first && isatty(STDOUT_FILENO),
+                      is_first && isatty(STDOUT_FILENO) && n_ranks == 1,
                       log,
                       parameters.time.end_time,
                       parameters.time.maximum_steps);
@@ -161,10 +168,16 @@ namespace emmy
     // ranks throw it together; any other error passes, as one rank alone can
     // not finish the output.
     std::exception_ptr failure;
+    double             largest_energy = ledger.total_energy();
     try
       {
-        advance_to_end(
-          scene, parameters.time, ledger, frames, progress, report);
+        advance_to_end(scene,
+                       parameters.time,
+                       ledger,
+                       frames,
+                       progress,
+                       report,
+                       largest_energy);
       }
     catch (const ExcRun &error)
       {
@@ -178,7 +191,7 @@ namespace emmy
 
     std::ostringstream tail;
     tail << "linear solver " << scene.stepper.solver_name() << '\n';
-    summarise(tail, ledger, initial);
+    summarise(tail, ledger, initial, largest_energy);
     scene.phases.print(tail);
     screen << tail.str() << std::flush;
     log << tail.str() << std::flush;

@@ -146,11 +146,25 @@ namespace emmy
                  << " m, " << grid.n_trees() << " trees\n";
     line("ranks") << dealii::Utilities::MPI::n_mpi_processes(communicator)
                   << '\n';
+    const auto volumes = volumes_of_bodies();
     for (unsigned int b = 0; b < bodies.size(); ++b)
-      line("body " + bodies[b].name)
-        << parameters.material_names.names[bodies[b].material] << ", density "
-        << bodies[b].density << " kg/m^3, P-wave modulus "
-        << material_of_body[b]->p_wave_modulus() << " Pa\n";
+      {
+        line("body " + bodies[b].name)
+          << parameters.material_names.names[bodies[b].material] << ", density "
+          << bodies[b].density << " kg/m^3, P-wave modulus "
+          << material_of_body[b]->p_wave_modulus() << " Pa\n";
+        line("") << "volume of its particles " << volumes[b] << " m^3";
+        if (const double exact = bodies[b].shape->volume(); exact > 0.)
+          {
+            const double error = 100. * (volumes[b] / exact - 1.);
+            out << ", of its shape " << exact << " m^3";
+            if (std::abs(error) > 1.)
+              out << "\n  note: that is " << error
+                  << " % off, and so is the mass. Take more Points per "
+                     "direction, or faces on multiples of h/points";
+          }
+        out << '\n';
+      }
     line("effects") << (parameters.effect_names.names.empty()
                           ? "none beyond inertia and internal force"
                           : join(parameters.effect_names.names))
@@ -160,7 +174,7 @@ namespace emmy
         const auto &named = parameters.effect_names.names;
         (void)effect;
         if (std::find(named.begin(), named.end(), name) == named.end())
-          line("  not named") << name << '\n';
+          line("  not used") << name << '\n';
       }
     // properties, position twice (real and reference cell), id; then two
     // copies of all states, and the stencils
@@ -192,6 +206,21 @@ namespace emmy
                   << (limit > 0 ? std::min<double>(limit, n_steps) : n_steps)
                   << ", to t = " << parameters.time.end_time << " s"
                   << (limit > 0 ? " or the limit of steps" : "") << '\n';
+  }
+
+  template <int dim>
+  std::vector<double>
+  Scene<dim>::volumes_of_bodies() const
+  {
+    std::vector<double> volumes(bodies.size());
+    for (const auto &particle : particles)
+      {
+        const auto properties = particle.get_properties();
+        volumes[static_cast<unsigned int>(properties[layout["body"]])] +=
+          properties[layout["reference_volume"]];
+      }
+    dealii::Utilities::MPI::sum(volumes, grid.communicator(), volumes);
+    return volumes;
   }
 
   template class Scene<2>;

@@ -39,6 +39,10 @@ namespace emmy
    */
   std::string
   shortest(const double number);
+
+  /** A number with six digits, for messages. */
+  std::string
+  brief(const double number);
 } // namespace emmy
 
 #endif

@@ -20,6 +20,13 @@ namespace emmy
     virtual bool
     contains(const dealii::Point<dim> &position) const = 0;
 
+    /** Volume, m^3 (m^2 in plane strain); 0 if the shape does not know it. */
+    virtual double
+    volume() const
+    {
+      return 0.;
+    }
+
     /**
      * A box around the shape. It must be finite unless the shape does not
      * know its extent (expression).

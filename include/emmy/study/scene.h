@@ -42,6 +42,10 @@ namespace emmy
     Stepper<dim>                            stepper;
 
   private:
+    /** Sum of the particles' reference volumes, m^3. Collective. */
+    std::vector<double>
+    volumes_of_bodies() const;
+
     const SceneParameters<dim> &parameters;
   };
 } // namespace emmy
