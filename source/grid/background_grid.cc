@@ -7,6 +7,7 @@
 #include <emmy/grid/background_grid.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace emmy
 {
@@ -101,11 +102,59 @@ namespace emmy
       numbering.locally_owned_dofs(), known, communicator());
 
     node_positions.resize(known.n_elements());
+    cells_by_number.clear();
     for (const auto &cell : numbering.active_cell_iterators())
       if (!cell->is_artificial())
-        for (const unsigned int v : cell->vertex_indices())
-          node_positions[node_partition->global_to_local(
-            cell->vertex_dof_index(v, 0))] = cell->vertex(v);
+        {
+          for (const unsigned int v : cell->vertex_indices())
+            node_positions[node_partition->global_to_local(
+              cell->vertex_dof_index(v, 0))] = cell->vertex(v);
+          cells_by_number.emplace_back(cell_number(lattice(cell->center())),
+                                       cell);
+        }
+    std::sort(cells_by_number.begin(),
+              cells_by_number.end(),
+              [](const auto &a, const auto &b) { return a.first < b.first; });
+  }
+
+  template <int dim>
+  std::uint64_t
+  BackgroundGrid<dim>::cell_number(const Lattice &lattice) const
+  {
+    std::uint64_t number = 0;
+    for (unsigned int d = dim; d-- > 0;)
+      number = number * counts[d] + lattice[d];
+    return number;
+  }
+
+  template <int dim>
+  typename BackgroundGrid<dim>::Lattice
+  BackgroundGrid<dim>::lattice(const dealii::Point<dim> &position) const
+  {
+    Lattice result;
+    for (unsigned int d = 0; d < dim; ++d)
+      result[d] =
+        std::min<double>(counts[d] - 1,
+                         std::max(0.,
+                                  std::floor((position[d] - lower[d]) / h[d])));
+    return result;
+  }
+
+  template <int dim>
+  typename BackgroundGrid<dim>::Cell
+  BackgroundGrid<dim>::cell_at(const Lattice &lattice) const
+  {
+    const auto number = cell_number(lattice);
+    const auto found =
+      std::lower_bound(cells_by_number.begin(),
+                       cells_by_number.end(),
+                       number,
+                       [](const auto &entry, const std::uint64_t n) {
+                         return entry.first < n;
+                       });
+    return found != cells_by_number.end() && found->first == number
+             ? found->second
+             : Cell(cells.end());
   }
 
   template <int dim>

@@ -130,6 +130,13 @@ namespace emmy
     return points;
   }
 
+  template <int dim>
+  dealii::Tensor<1, dim>
+  initial_half_length(const Body<dim> &body, const BackgroundGrid<dim> &grid)
+  {
+    return 0.5 / body.points_per_direction * grid.cell_size();
+  }
+
   namespace
   {
     /** What is wrong with the extent of a body, if anything. */
@@ -268,6 +275,10 @@ namespace emmy
         for (unsigned int d = 0; d < dim; ++d)
           values[volume] *= h[d] / from.points_per_direction;
         values[mass] = from.density * values[volume];
+        if (layout.has("half_length"))
+          for (unsigned int d = 0; d < dim; ++d)
+            values[layout["half_length"] + d] =
+              initial_half_length(from, grid)[d];
         for (const Point<dim> &point : filling.points)
           {
             for (unsigned int d = 0; d < dim; ++d)
@@ -308,6 +319,8 @@ namespace emmy
     const Body<dim> &,                                                         \
     const BackgroundGrid<dim> &,                                               \
     const typename BackgroundGrid<dim>::Cell &);                               \
+  template dealii::Tensor<1, dim> initial_half_length<dim>(                    \
+    const Body<dim> &, const BackgroundGrid<dim> &);                           \
   template void fill<dim>(const std::vector<Body<dim>> &,                      \
                           const BackgroundGrid<dim> &,                         \
                           const FieldLayout &,                                 \

@@ -26,6 +26,9 @@ namespace emmy
         case Field::Kind::symmetric_tensor:
           entry.n_components = dim == 2 ? 4 : 6;
           break;
+        case Field::Kind::tensor:
+          entry.n_components = dim * dim;
+          break;
       }
     entry.initial.resize(entry.n_components, 0.);
     list.push_back(entry);

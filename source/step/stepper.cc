@@ -2,6 +2,7 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
 #include <emmy/step/stepper.h>
+#include <emmy/step/velocity_map.h>
 
 namespace emmy
 {
@@ -9,23 +10,19 @@ namespace emmy
   Stepper<dim>::Stepper(const BackgroundGrid<dim>     &grid,
                         const BoundaryConditions<dim> &boundary_conditions,
                         const FieldLayout             &layout,
-                        const ShapeFunctions<dim>     &shape_functions,
-                        const StepRule<dim>           &step_rule,
-                        const Balance<dim>            &balance,
+                        const StepMethod<dim>         &method,
                         const SolverParameters        &solver_parameters,
                         const TimeParameters          &time_parameters,
                         dealii::Particles::ParticleHandler<dim> &particles,
                         Phases                                  &phases)
     : grid(grid)
     , layout(layout)
-    , shape_functions(shape_functions)
-    , step_rule(step_rule)
-    , balance(balance)
+    , method(method)
     , solver_parameters(solver_parameters)
     , limits(time_parameters)
     , particles(particles)
     , phases(phases)
-    , particles_to_grid(grid, boundary_conditions, layout)
+    , particles_to_grid(grid, boundary_conditions, layout, method.mapping)
   {}
 
   template <int dim>
@@ -34,7 +31,7 @@ namespace emmy
   {
     // particles -> grid
     const Stencils<dim>    stencils = timed("stencils", [&] {
-      return shape_functions.evaluate(particles, grid);
+      return method.shape_functions.evaluate(particles, grid);
     });
     const PointArrays<dim> points =
       timed("gather", [&] { return gather(stencils, layout); });
@@ -42,15 +39,16 @@ namespace emmy
       timed("particles to grid", [&]() -> GridStart<dim> & {
         return particles_to_grid(stencils, points);
       });
-    at_start.velocity = velocity_from_momentum(at_start);
-    start             = &at_start;
+    timed("velocity from momentum", [&] { velocity_from_momentum(at_start); });
+    start = &at_start;
 
     // solve; until here and for as long as the step fails, particles keep
     // their states
-    const Solution solution = solve(stencils, points);
+    Solution solution = solve(stencils, points);
 
     // grid -> particles
-    const StepReport result = report(solution, points);
+    move(stencils, points, solution);
+    const StepReport result = report(solution, stencils, points);
     timed("grid to particles", [&] {
       grid_to_particles(
         stencils, solution.equation->trial(), layout, grid, particles);
@@ -67,17 +65,16 @@ namespace emmy
   Stepper<dim>::solve(const Stencils<dim>    &stencils,
                       const PointArrays<dim> &points)
   {
-    const std::string where = "Step " + std::to_string(step_number + 1) +
-                              " from t = " + brief(time) + " s";
     Solution solution;
     solution.time_step = next_time_step(stencils, points);
     for (unsigned int halvings = 0;; ++halvings, solution.time_step *= 0.5)
       {
         const StepData<dim> step{
           stencils, points, *start, time, solution.time_step};
-        solution.equation     = balance.over(step);
+        solution.equation     = method.balance.over(step);
         solution.displacement = start->mean_velocity;
         solution.displacement *= step.time_step;
+        start->active->constraints().set_zero(solution.displacement);
 
         solution.newton = Newton(solver_parameters, *linear_solver, phases)
                             .solve(*solution.equation, solution.displacement);
@@ -86,36 +83,66 @@ namespace emmy
         if (halvings == limits.maximum_halvings)
           throw_together(
             grid.communicator(),
-            where,
+            where(),
             "Newton does not converge, with the step halved " +
               std::to_string(halvings) + " times to " + brief(step.time_step) +
               " s: " + solution.newton.problem,
             "the last accepted state was kept. Use a smaller Time/Factor or "
             "Step size, more Points per direction, or a stiffer or finer "
             "model; Time/Maximum halvings allows smaller steps.");
-        solution.notes.push_back(where + ": " + solution.newton.problem +
+        solution.notes.push_back(where() + ": " + solution.newton.problem +
                                  "; halved to " + brief(0.5 * step.time_step) +
                                  " s");
       }
 
     solution.velocity =
       velocity_new(solution.displacement, start->velocity, solution.time_step);
-    Vector velocity_change = solution.velocity;
-    velocity_change -= start->velocity;
+    return solution;
+  }
+
+  template <int dim>
+  void
+  Stepper<dim>::move(const Stencils<dim>    &stencils,
+                     const PointArrays<dim> &points,
+                     Solution               &solution) const
+  {
+    PointArrays<dim> &trial = solution.equation->trial();
     throw_together(grid.communicator(),
-                   where,
+                   where(),
                    move_points(stencils,
                                points,
-                               *start->active,
+                               *start,
                                grid,
                                layout,
+                               method.mapping.flip_fraction,
                                solution.displacement,
-                               velocity_change,
-                               solution.equation->trial()),
+                               solution.velocity,
+                               trial),
                    "the step was not accepted. Enlarge the grid (Grid/Lower "
                    "corner, Upper corner), end the run earlier (Time/End "
                    "time), or fix that side (Boundary conditions).");
-    return solution;
+    if (!method.domain_update)
+      return;
+    (*method.domain_update)(stencils,
+                            points,
+                            *start->active,
+                            start->active->to_local(solution.displacement),
+                            trial);
+    throw_together(grid.communicator(),
+                   where(),
+                   DomainUpdate<dim>::problem(stencils, layout, grid, trial),
+                   "the step was not accepted. Use another Method/Domain "
+                   "update (stretch does not vanish under rotation, none "
+                   "keeps the size), larger cells (Grid/Cells), or more "
+                   "Points per direction.");
+  }
+
+  template <int dim>
+  std::string
+  Stepper<dim>::where() const
+  {
+    return "Step " + std::to_string(step_number + 1) +
+           " from t = " + brief(time) + " s";
   }
 
   template <int dim>
@@ -134,50 +161,47 @@ namespace emmy
   Stepper<dim>::next_time_step(const Stencils<dim>    &stencils,
                                const PointArrays<dim> &points) const
   {
-    const double dt        = step_rule(stencils, points, *start->active);
+    const double dt        = method.step_rule(stencils, points, *start->active);
     const double time_left = limits.end_time - time;
     return limits.shorten_last_step && dt > time_left ? time_left : dt;
   }
 
   template <int dim>
-  Vector
-  Stepper<dim>::velocity_from_momentum(const GridStart<dim> &start)
+  void
+  Stepper<dim>::velocity_from_momentum(GridStart<dim> &start)
   {
-    const auto scope = phases.scope("velocity from momentum");
     if (!linear_solver)
       linear_solver =
         make_linear_solver(solver_parameters, start.active->n_dofs(), dim);
-    Vector       velocity = start.mean_velocity;
-    LinearResult result   = linear_solver->prepare(start.damped_mass);
-    if (result.is_solved)
-      result = solve_to_round_off(*linear_solver,
-                                  start.mass,
-                                  start.active->constraints(),
-                                  start.momentum,
-                                  velocity);
+    const LinearResult result = map_velocity(method.mapping,
+                                             start.active->make_vector(),
+                                             *linear_solver,
+                                             start);
     throw_together(grid.communicator(),
-                   "Step " + std::to_string(step_number + 1),
+                   where(),
                    result.is_solved ? ""
                                     : "the velocity of the grid could not be "
                                       "found: " +
                                         result.problem,
                    "use more Points per direction, or Solver/Linear solver = "
                    "direct.");
-    return velocity;
   }
 
   template <int dim>
   StepReport
   Stepper<dim>::initial_report()
   {
-    const Stencils<dim>    stencils = shape_functions.evaluate(particles, grid);
-    const PointArrays<dim> points   = gather(stencils, layout);
-    start                           = &particles_to_grid(stencils, points);
+    const Stencils<dim> stencils =
+      method.shape_functions.evaluate(particles, grid);
+    const PointArrays<dim> points = gather(stencils, layout);
+    start                         = &particles_to_grid(stencils, points);
 
     StepReport result;
     result.time_step = next_time_step(stencils, points);
     result.totals    = measure(points, layout, grid.communicator());
-    result.energies  = balance.energy_entries();
+    result.energies  = method.balance.energy_entries();
+    for (const EnergyEntry &entry : energy_entries(StepAccounts()))
+      result.energies.push_back(entry);
     result.active_cells =
       dealii::Utilities::MPI::sum(static_cast<std::uint64_t>(
                                     start->active->cells().size()),
@@ -189,6 +213,7 @@ namespace emmy
   template <int dim>
   StepReport
   Stepper<dim>::report(const Solution         &solution,
+                       const Stencils<dim>    &stencils,
                        const PointArrays<dim> &points) const
   {
     StepReport result;
@@ -205,13 +230,16 @@ namespace emmy
     result.kinetic_energy_grid_new =
       0.5 * start->mass.matrix_norm_square(solution.velocity);
     result.energies = solution.equation->energies(solution.displacement);
-    // what the two solves left: of the balance of momentum, and of the map
-    Vector misfit = start->momentum, velocity_change = solution.velocity;
-    start->mass.residual(misfit, start->velocity, start->momentum);
-    velocity_change -= start->velocity;
-    result.residual_work =
-      solution.equation->residual() * solution.displacement +
-      misfit * velocity_change;
+    const StepAccounts books = accounts(
+      StepData<dim>{stencils, points, *start, time, solution.time_step},
+      *solution.equation,
+      layout,
+      method.mapping,
+      solution.displacement,
+      solution.velocity);
+    for (const EnergyEntry &entry : energy_entries(books))
+      result.energies.push_back(entry);
+    result.residual_work     = books.residual_work;
     result.newton_iterations = solution.newton.iterations;
     result.linear_iterations = solution.newton.linear_iterations;
     result.active_cells =
@@ -221,6 +249,23 @@ namespace emmy
     result.active_dofs = start->active->n_dofs();
     result.notes       = solution.notes;
     return result;
+  }
+
+  template <int dim>
+  std::vector<EnergyEntry>
+  Stepper<dim>::energy_entries(const StepAccounts &accounts) const
+  {
+    using Kind = EnergyEntry::Kind;
+    std::vector<EnergyEntry> entries;
+    if (method.mapping.lumping > 0.)
+      entries.push_back(
+        {"lumping_loss", Kind::dissipated, accounts.lumping_loss});
+    if (method.mapping.flip_fraction < 1.)
+      entries.push_back(
+        {"mapping_loss", Kind::dissipated, accounts.mapping_loss});
+    if (method.mapping.walls == Mapping::Walls::inelastic)
+      entries.push_back({"wall_loss", Kind::dissipated, accounts.wall_loss});
+    return entries;
   }
 
   template <int dim>

@@ -114,7 +114,10 @@ namespace emmy
     std::vector<FieldDescription> fields{{"id", 1, "1", "particle id"}};
     for (const Field &field : scene.layout.fields())
       fields.push_back(
-        {field.name, field.n_components, field.unit, field.description});
+        {field.name,
+         field.kind == Field::Kind::tensor ? 9 : field.n_components,
+         field.unit,
+         field.description});
 
     DataFile<0, dim> file(fields);
     file.reserve(scene.particles.n_locally_owned_particles());
@@ -124,14 +127,21 @@ namespace emmy
         const auto properties = particle.get_properties();
         values.assign(1, particle.get_id());
         for (const Field &field : scene.layout.fields())
-          for (unsigned int c = 0; c < field.n_components; ++c)
-            {
-              const bool is_shear =
-                field.kind == Field::Kind::symmetric_tensor && c >= dim &&
-                c < n_in_plane<dim>;
-              values.push_back(properties[field.offset + c] /
-                               (is_shear ? mandel::sqrt2 : 1.));
-            }
+          if (field.kind == Field::Kind::tensor)
+            for (unsigned int i = 0; i < 3; ++i)
+              for (unsigned int j = 0; j < 3; ++j)
+                values.push_back(i < dim && j < dim
+                                   ? properties[field.offset + dim * i + j]
+                                   : (i == j ? 1. : 0.));
+          else
+            for (unsigned int c = 0; c < field.n_components; ++c)
+              {
+                const bool is_shear =
+                  field.kind == Field::Kind::symmetric_tensor && c >= dim &&
+                  c < n_in_plane<dim>;
+                values.push_back(properties[field.offset + c] /
+                                 (is_shear ? mandel::sqrt2 : 1.));
+              }
         file.add_point(particle.get_location(),
                        dealii::ArrayView<const double>(values.data(),
                                                        values.size()));

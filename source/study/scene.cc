@@ -2,6 +2,7 @@
 #include <emmy/assembly/internal_force.h>
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/particles/gimp.h>
 #include <emmy/study/scene.h>
 
 #include <algorithm>
@@ -88,6 +89,27 @@ namespace emmy
         parameters.effects.at(name)->add_to(effects, layout);
       return effects;
     }
+
+    template <int dim>
+    std::unique_ptr<ShapeFunctions<dim>>
+    make_shape_functions(const MethodParameters &method, FieldLayout &layout)
+    {
+      if (method.shape_functions == "GIMP")
+        return std::make_unique<GimpShapeFunctions<dim>>(layout);
+      return std::make_unique<LinearShapeFunctions<dim>>(layout["body"]);
+    }
+
+    template <int dim>
+    std::unique_ptr<DomainUpdate<dim>>
+    make_updates(const MethodParameters       &method,
+                 const std::vector<Body<dim>> &bodies,
+                 const BackgroundGrid<dim>    &grid,
+                 FieldLayout                  &layout)
+    {
+      if (method.shape_functions != "GIMP")
+        return nullptr;
+      return make_domain_update(method.domain_update, bodies, grid, layout);
+    }
   } // namespace
 
   template <int dim>
@@ -101,14 +123,18 @@ namespace emmy
     , material_of_body(materials_of(bodies, materials))
     , layout(basic_fields(dim))
     , balance(make_effects(parameters, material_of_body, layout))
-    , shape_functions(layout["body"])
+    , shape_functions(make_shape_functions<dim>(parameters.method, layout))
+    , domain_update(make_updates(parameters.method, bodies, grid, layout))
+    , mapping(parameters.method.make_mapping())
     , step_rule(make_step_rule(parameters.time, grid, material_of_body, layout))
     , stepper(grid,
               boundary_conditions,
               layout,
-              shape_functions,
-              *step_rule,
-              balance,
+              StepMethod<dim>{*shape_functions,
+                              domain_update.get(),
+                              mapping,
+                              *step_rule,
+                              balance},
               parameters.solver,
               parameters.time,
               particles,

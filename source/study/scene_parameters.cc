@@ -39,20 +39,40 @@ namespace emmy
     add_parameter("Shape functions",
                   shape_functions,
                   "linear: bi- or trilinear functions of the cell (standard "
-                  "MPM).",
+                  "MPM). GIMP: particles are boxes, which reach the nodes of "
+                  "all cells that they overlap.",
                   prm,
-                  Selection("linear"));
+                  Selection("linear|GIMP"));
+    add_parameter("Domain update",
+                  domain_update,
+                  "How the boxes of GIMP follow the deformation gradient F. "
+                  "none: they keep their size. detF: as its determinant. "
+                  "diagF: as its diagonal, which vanishes when a body turns. "
+                  "stretch: as the diagonal of sqrt(F^T F). corners: as the "
+                  "extent of the moved corners, with the volume of F.",
+                  prm,
+                  Selection("none|detF|diagF|stretch|corners"));
     add_parameter("Mapping",
                   mapping,
-                  "FLIP: particles take the change of the grid's velocity.",
+                  "FLIP: particles take the change of the grid's velocity. "
+                  "PIC: they take the velocity, and lose what the grid does "
+                  "not see of theirs. blend: <FLIP fraction> of FLIP, the "
+                  "rest of PIC.",
                   prm,
-                  Selection("FLIP"));
+                  Selection("FLIP|PIC|blend"));
+    add_parameter("FLIP fraction",
+                  flip_fraction,
+                  "Share of FLIP in Mapping = blend. Dimensionless, between 0 "
+                  "and 1. -1: not given.",
+                  prm,
+                  Double());
     add_parameter("Lumping",
                   lumping,
-                  "epsilon of eq. 18; 0 is the consistent mass matrix, which "
-                  "conserves energy.",
+                  "epsilon of eq. 18. 0: consistent mass matrix, which "
+                  "conserves energy. 1: lumped. Between: (1 - epsilon) "
+                  "consistent + epsilon lumped. Dimensionless.",
                   prm,
-                  Double(0., 0.));
+                  Double());
     add_parameter("Stress rule",
                   stress_rule,
                   "conserving: the stress of the mid-point that balances "
@@ -61,10 +81,58 @@ namespace emmy
                   Selection("conserving"));
     add_parameter("Wall mapping",
                   wall_mapping,
-                  "constrained: fixed nodes have no velocity in the "
-                  "point-to-grid map either.",
+                  "constrained: fixed nodes have the velocity of the wall in "
+                  "the point-to-grid map too. unconstrained: the map knows no "
+                  "walls, and fixed nodes bounce. inelastic: as constrained, "
+                  "but particles lose what the wall takes from the grid's "
+                  "velocity.",
                   prm,
-                  Selection("constrained"));
+                  Selection("constrained|unconstrained|inelastic"));
+  }
+
+  Mapping
+  MethodParameters::make_mapping() const
+  {
+    const auto require = [this](const bool         condition,
+                                const std::string &name,
+                                const std::string &value,
+                                const std::string &advice) {
+      AssertThrow(condition, ExcParameter(path(), name, value, advice));
+    };
+    require(lumping >= 0. && lumping <= 1.,
+            "Lumping",
+            shortest(lumping),
+            "must lie between 0 (consistent) and 1 (lumped).");
+    if (mapping == "blend")
+      require(flip_fraction >= 0. && flip_fraction <= 1.,
+              "FLIP fraction",
+              shortest(flip_fraction),
+              "Mapping = blend requires it, between 0 (PIC) and 1 (FLIP).");
+    else
+      require(flip_fraction == -1.,
+              "FLIP fraction",
+              shortest(flip_fraction),
+              "Mapping = " + mapping +
+                " contradicts it. Remove it, or set Mapping = blend.");
+    if (mapping == "PIC")
+      require(wall_mapping == "constrained",
+              "Wall mapping",
+              wall_mapping,
+              std::string("Mapping = PIC contradicts it: ") +
+                (wall_mapping == "inelastic"
+                   ? "with PIC particles keep nothing that a wall could take."
+                   : "particles would take the bounce of the fixed nodes.") +
+                " Use constrained, or Mapping = FLIP or blend.");
+
+    Mapping result;
+    result.lumping = lumping;
+    result.flip_fraction =
+      mapping == "FLIP" ? 1. : (mapping == "PIC" ? 0. : flip_fraction);
+    result.walls = wall_mapping == "constrained" ? Mapping::Walls::constrained
+                   : wall_mapping == "inelastic"
+                     ? Mapping::Walls::inelastic
+                     : Mapping::Walls::unconstrained;
+    return result;
   }
 
   OutputParameters::OutputParameters()

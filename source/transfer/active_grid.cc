@@ -44,8 +44,10 @@ namespace emmy
   bool
   ActiveGrid<dim>::fits(const Stencils<dim> &stencils) const
   {
-    return dealii::Utilities::MPI::min(stencils.node_ids == group_node_ids ? 1
-                                                                           : 0,
+    return dealii::Utilities::MPI::min(stencils.node_ids == group_node_ids &&
+                                           stencils.active_cells == active_cells
+                                         ? 1
+                                         : 0,
                                        communicator()) == 1;
   }
 
@@ -91,9 +93,16 @@ namespace emmy
     number.update_ghost_values();
 
     std::vector<std::pair<global_dof_index, global_dof_index>> ghosts;
-    for (const global_dof_index id : stencils.node_ids)
+    const auto add_ghost = [&](const global_dof_index id) {
       if (!grid.nodes()->in_local_range(id))
         ghosts.emplace_back(static_cast<global_dof_index>(number(id)), id);
+    };
+    for (const global_dof_index id : stencils.node_ids)
+      add_ghost(id);
+    // particles of another rank may reach into cells of this one
+    for (const auto &cell : active_cells)
+      for (const global_dof_index id : grid.node_ids(cell))
+        add_ghost(id);
     std::sort(ghosts.begin(), ghosts.end());
     ghosts.erase(std::unique(ghosts.begin(), ghosts.end()), ghosts.end());
 
@@ -165,9 +174,16 @@ namespace emmy
   void
   ActiveGrid<dim>::make_sparsity(const Stencils<dim> &stencils)
   {
+    // a first guess: particles couple the nodes of one cell, or of neighbours
+    unsigned int most_nodes = 0;
+    for (const auto &group : stencils.groups)
+      most_nodes = std::max(most_nodes, group.n_nodes);
+    const unsigned int width =
+      most_nodes > BackgroundGrid<dim>::nodes_per_cell ? 5 : 3;
     // deal.II 9.4 refuses a row length on a rank that owns no row
     const unsigned int longest_row =
-      owned_dofs.n_elements() > 0 ? dim * dealii::Utilities::pow(3, dim) : 0;
+      owned_dofs.n_elements() > 0 ? dim * dealii::Utilities::pow(width, dim)
+                                  : 0;
     pattern.reinit(
       owned_dofs, owned_dofs, known_dofs, communicator(), longest_row);
     std::vector<global_dof_index> dofs;

@@ -14,13 +14,18 @@ namespace emmy
   std::string
   move_points(const Stencils<dim>       &stencils,
               const PointArrays<dim>    &points,
-              const ActiveGrid<dim>     &active,
+              const GridStart<dim>      &start,
               const BackgroundGrid<dim> &grid,
               const FieldLayout         &layout,
+              const double               flip_fraction,
               const Vector              &displacement,
-              const Vector              &velocity_change,
+              const Vector              &velocity_new,
               PointArrays<dim>          &trial)
   {
+    // v_p <- alpha v_p + sum S (v_new - alpha v_mapped)
+    Vector velocity_change = velocity_new;
+    velocity_change.add(-flip_fraction, start.mapped_velocity);
+    const ActiveGrid<dim>    &active   = *start.active;
     const std::vector<double> u        = active.to_local(displacement);
     const std::vector<double> dv       = active.to_local(velocity_change);
     const unsigned int        velocity = layout["velocity"];
@@ -31,13 +36,14 @@ namespace emmy
           // start from t: the trial states may have been moved before
           const unsigned int *nodes = active.nodes(group);
           double             *x     = trial.position(c) + group.first_point;
-          double *v = trial.component(velocity + c) + group.first_point;
+          double       *v = trial.component(velocity + c) + group.first_point;
+          const double *v_old =
+            points.component(velocity + c) + group.first_point;
           std::copy_n(points.position(c) + group.first_point,
                       group.n_points,
                       x);
-          std::copy_n(points.component(velocity + c) + group.first_point,
-                      group.n_points,
-                      v);
+          for (unsigned int p = 0; p < group.n_points; ++p)
+            v[p] = flip_fraction * v_old[p];
           for (unsigned int a = 0; a < group.n_nodes; ++a)
             {
               const double *S       = stencils.value(group, a);
@@ -63,24 +69,6 @@ namespace emmy
 
   namespace
   {
-    /** Which cell of the grid, counted per direction. */
-    template <int dim>
-    using Lattice = std::array<unsigned int, dim>;
-
-    template <int dim>
-    Lattice<dim>
-    lattice_index(const BackgroundGrid<dim> &grid, const dealii::Point<dim> &x)
-    {
-      Lattice<dim> index;
-      for (unsigned int d = 0; d < dim; ++d)
-        index[d] =
-          std::min<double>(grid.n_cells()[d] - 1,
-                           std::max(0.,
-                                    std::floor((x[d] - grid.lower_corner()[d]) /
-                                               grid.cell_size()[d])));
-      return index;
-    }
-
     /**
      * Insert particles that another rank may own: [x, id, fields] each, one
      * after the other. They go to all ranks whose cells span their position;
@@ -103,14 +91,12 @@ namespace emmy
         return x;
       };
 
-      std::map<Lattice<dim>, typename BackgroundGrid<dim>::Cell> owned;
-      Lattice<dim> first{}, last{};
+      typename BackgroundGrid<dim>::Lattice first{}, last{};
       first.fill(std::numeric_limits<unsigned int>::max());
       for (const auto &cell : grid.triangulation().active_cell_iterators())
         if (cell->is_locally_owned())
           {
-            const auto index = lattice_index<dim>(grid, cell->center());
-            owned[index]     = cell;
+            const auto index = grid.lattice(cell->center());
             for (unsigned int d = 0; d < dim; ++d)
               {
                 first[d] = std::min(first[d], index[d]);
@@ -123,7 +109,7 @@ namespace emmy
       std::map<unsigned int, std::vector<double>> outgoing;
       for (std::size_t i = 0; i < packed.size(); i += length)
         {
-          const auto index = lattice_index<dim>(grid, position(&packed[i]));
+          const auto index = grid.lattice(position(&packed[i]));
           for (unsigned int rank = 0; rank < boxes.size(); ++rank)
             {
               bool is_inside = true;
@@ -143,18 +129,19 @@ namespace emmy
           for (std::size_t i = 0; i < incoming.size(); i += length)
             {
               const auto x    = position(&incoming[i]);
-              const auto cell = owned.find(lattice_index<dim>(grid, x));
-              if (cell == owned.end())
+              const auto cell = grid.cell_at(grid.lattice(x));
+              if (cell == grid.triangulation().end() ||
+                  !cell->is_locally_owned())
                 continue;
               dealii::Point<dim> reference;
               for (unsigned int d = 0; d < dim; ++d)
                 reference[d] =
-                  (x[d] - cell->second->vertex(0)[d]) / grid.cell_size()[d];
+                  (x[d] - cell->vertex(0)[d]) / grid.cell_size()[d];
               particles.insert_particle(
                 x,
                 reference,
                 static_cast<dealii::types::particle_index>(incoming[i + dim]),
-                cell->second,
+                cell,
                 dealii::ArrayView<const double>(&incoming[i + dim + 1],
                                                 n_fields));
             }
@@ -231,9 +218,10 @@ namespace emmy
 #define INSTANTIATE(dim)                                             \
   template std::string move_points<dim>(const Stencils<dim> &,       \
                                         const PointArrays<dim> &,    \
-                                        const ActiveGrid<dim> &,     \
+                                        const GridStart<dim> &,      \
                                         const BackgroundGrid<dim> &, \
                                         const FieldLayout &,         \
+                                        const double,                \
                                         const Vector &,              \
                                         const Vector &,              \
                                         PointArrays<dim> &);         \

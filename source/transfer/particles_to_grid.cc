@@ -26,9 +26,11 @@ namespace emmy
   ParticlesToGrid<dim>::ParticlesToGrid(
     const BackgroundGrid<dim>     &grid,
     const BoundaryConditions<dim> &boundary_conditions,
-    const FieldLayout             &layout)
+    const FieldLayout             &layout,
+    const Mapping                 &mapping)
     : grid(grid)
     , boundary_conditions(boundary_conditions)
+    , mapping(mapping)
     , mass_component(layout["mass"])
     , velocity_component(layout["velocity"])
   {}
@@ -46,6 +48,8 @@ namespace emmy
                                                   boundary_conditions);
         start.mass.reinit(start.active->sparsity());
         start.damped_mass.reinit(start.active->sparsity());
+        if (mapping.walls != Mapping::Walls::constrained)
+          start.damped_mass_without_walls.reinit(start.active->sparsity());
         start.momentum      = start.active->make_vector();
         start.mean_velocity = start.active->make_vector();
       }
@@ -59,10 +63,14 @@ namespace emmy
   ParticlesToGrid<dim>::assemble_mass(const Stencils<dim>    &stencils,
                                       const PointArrays<dim> &points)
   {
-    const ActiveGrid<dim> &active = *start.active;
-    const double          *mass   = points.component(mass_component);
-    start.mass                    = 0.;
-    start.damped_mass             = 0.;
+    const ActiveGrid<dim> &active  = *start.active;
+    const double          *mass    = points.component(mass_component);
+    const double           epsilon = mapping.lumping;
+    const bool without_walls = mapping.walls != Mapping::Walls::constrained;
+    start.mass               = 0.;
+    start.damped_mass        = 0.;
+    if (without_walls)
+      start.damped_mass_without_walls = 0.;
 
     dealii::FullMatrix<double>                   cell_mass;
     std::vector<double>                          row_sums;
@@ -89,7 +97,6 @@ namespace emmy
             for (unsigned int c = 0; c < dim; ++c)
               dofs[dim * a + c] = active.first_dof(active.nodes(group)[a]) + c;
           }
-        start.mass.add(dofs, cell_mass);
 
         // the row sums of the cell's matrix are its lumped mass
         double group_mass = 0.;
@@ -100,6 +107,14 @@ namespace emmy
               row_sums[i] += cell_mass(i, j);
             group_mass += row_sums[i] / dim;
           }
+        if (epsilon > 0.)
+          {
+            cell_mass *= 1. - epsilon;
+            for (unsigned int i = 0; i < dim * n; ++i)
+              cell_mass(i, i) += epsilon * row_sums[i];
+          }
+        start.mass.add(dofs, cell_mass);
+
         // the second part is for nodes with S = 0 at all points; it must be
         // far below any S^2 that is not zero
         for (unsigned int i = 0; i < dim * n; ++i)
@@ -107,9 +122,13 @@ namespace emmy
         active.constraints().distribute_local_to_global(cell_mass,
                                                         dofs,
                                                         start.damped_mass);
+        if (without_walls)
+          start.damped_mass_without_walls.add(dofs, cell_mass);
       }
     start.mass.compress(dealii::VectorOperation::add);
     start.damped_mass.compress(dealii::VectorOperation::add);
+    if (without_walls)
+      start.damped_mass_without_walls.compress(dealii::VectorOperation::add);
   }
 
   template <int dim>
@@ -153,7 +172,6 @@ namespace emmy
     auto weight = total_weight.begin();
     for (double &v : start.mean_velocity)
       v /= *weight++;
-    active.constraints().set_zero(start.mean_velocity);
   }
 
   template PointArrays<2>

@@ -1,10 +1,14 @@
 // Particle completeness, on which every conservation law rests: sum S = 1,
 // sum grad S = 0, sum S x = x_p, sum x (x) grad S = I, for points inside
 // cells, on faces, edges and corners of cells and on the edges of the grid,
-// and for points a hair outside a wall, which must not be lost.
+// and for points a hair outside a wall, which must not be lost; for linear
+// functions and for GIMP with domains of any size up to a cell. And the weights
+// of GIMP in one direction against the definition, the average of the hat.
+
+#include <deal.II/base/quadrature_lib.h>
 
 #include <emmy/particles/field_layout.h>
-#include <emmy/particles/stencils.h>
+#include <emmy/particles/gimp.h>
 #include <emmy/transfer/grid_to_particles.h>
 
 #include <random>
@@ -15,11 +19,80 @@ using namespace emmy;
 
 namespace
 {
+  /** The average of the hat over [d - l, d + l], cut where it has a kink. */
+  double
+  averaged_hat(const double d, const double l, const double h)
+  {
+    const dealii::QGauss<1> gauss(2); // exact for linear functions
+    std::vector<double>     ends{d - l, d + l};
+    for (const double kink : {-h, 0., h})
+      if (kink > d - l && kink < d + l)
+        ends.push_back(kink);
+    std::sort(ends.begin(), ends.end());
+    double sum = 0.;
+    for (unsigned int i = 0; i + 1 < ends.size(); ++i)
+      for (unsigned int q = 0; q < gauss.size(); ++q)
+        {
+          const double y =
+            ends[i] + gauss.point(q)[0] * (ends[i + 1] - ends[i]);
+          sum += gauss.weight(q) * (ends[i + 1] - ends[i]) *
+                 std::max(0., 1. - std::abs(y) / h);
+        }
+    return sum / (2. * l);
+  }
+
+  void
+  check_gimp_weights()
+  {
+    std::mt19937                           generator(5);
+    std::uniform_real_distribution<double> unit(0., 1.);
+    const double                           h = 0.7;
+    for (unsigned int sample = 0; sample < 300; ++sample)
+      {
+        // 0 ... 2.5 h, some of them tiny, some exactly h/2 and h
+        const double l   = sample % 10 == 0   ? 0.5 * h
+                           : sample % 10 == 1 ? h
+                           : sample % 10 == 2 ? 1e-4 * unit(generator) * h
+                                              : 2.5 * unit(generator) * h;
+        const double x   = sample % 7 == 0 ? 0.3 * h : unit(generator) * h;
+        double       sum = 0., slopes = 0., position = 0., unit_slope = 0.;
+        // the cells that the domain overlaps, counted from that of x
+        const int first = std::floor((x - l) / h),
+                  last  = std::ceil((x + l) / h) - 1;
+        std::vector<Weight> weights(last - first + 2);
+        gimp_weights(x - first * h, l, h, last - first + 1, weights.data());
+        for (int node = first; node <= last + 1; ++node)
+          {
+            const Weight w = weights[node - first];
+            const double d = x - node * h;
+            test::check_close(w.value,
+                              averaged_hat(d, l, h),
+                              1e-15 + 1e-15 * h / l,
+                              "GIMP: the average of the hat");
+            const double hats = std::max(0., 1. - std::abs(d + l) / h) -
+                                std::max(0., 1. - std::abs(d - l) / h);
+            test::check_close(w.slope * h,
+                              hats / (2. * l) * h,
+                              1e-14 + 1e-15 * h / l,
+                              "GIMP: the slope of the average");
+            sum += w.value;
+            slopes += w.slope;
+            position += w.value * node * h;
+            unit_slope += w.slope * node * h;
+          }
+        test::check_close(sum, 1., 1e-14, "GIMP: sum S");
+        test::check_close(slopes, 0., 1e-13, "GIMP: sum S'");
+        test::check_close(position, x, 1e-14, "GIMP: sum S x");
+        test::check_close(unit_slope, 1., 1e-13, "GIMP: sum S' x");
+      }
+  }
+
   template <int dim>
   void
-  check_completeness()
+  check_completeness(const bool is_gimp)
   {
-    const std::string name = std::to_string(dim) + "D: ";
+    const std::string name =
+      std::to_string(dim) + "D, " + (is_gimp ? "GIMP: " : "linear: ");
     dealii::ParameterAcceptor::clear();
     GridParameters<dim> parameters;
     for (unsigned int d = 0; d < dim; ++d)
@@ -27,8 +100,14 @@ namespace
         parameters.cells[d]        = 2 * (d + 2);
         parameters.upper_corner[d] = 1. + 0.3 * d;
       }
-    const BackgroundGrid<dim>               grid(parameters, MPI_COMM_WORLD);
-    const FieldLayout                       layout = basic_fields(dim);
+    const BackgroundGrid<dim>            grid(parameters, MPI_COMM_WORLD);
+    FieldLayout                          layout = basic_fields(dim);
+    std::unique_ptr<ShapeFunctions<dim>> shape_functions;
+    if (is_gimp)
+      shape_functions = std::make_unique<GimpShapeFunctions<dim>>(layout);
+    else
+      shape_functions =
+        std::make_unique<LinearShapeFunctions<dim>>(layout["body"]);
     dealii::Particles::ParticleHandler<dim> particles(grid.triangulation(),
                                                       grid.mapping(),
                                                       layout.n_components());
@@ -69,6 +148,13 @@ namespace
     for (unsigned int id = 0; id < positions.size(); ++id)
       {
         values[layout["body"]] = id % 3;
+        // up to a whole cell, some so small that the particle is a point
+        if (is_gimp)
+          for (unsigned int d = 0; d < dim; ++d)
+            values[layout["half_length"] + d] =
+              grid.cell_size()[d] * (id % 5 == 0   ? 1e-8
+                                     : id % 5 == 1 ? 1.
+                                                   : unit(generator));
         particles.insert_particle(
           cell->center(),
           dealii::Point<dim>(),
@@ -83,9 +169,8 @@ namespace
     test::check(particles.n_global_particles() == positions.size(),
                 name + "no particle is lost");
 
-    const auto stencils =
-      LinearShapeFunctions<dim>(layout["body"]).evaluate(particles, grid);
-    unsigned int n_seen = 0;
+    const auto   stencils = shape_functions->evaluate(particles, grid);
+    unsigned int n_seen   = 0;
     for (const auto &group : stencils.groups)
       for (unsigned int q = 0; q < group.n_points; ++q)
         {
@@ -143,7 +228,11 @@ int
 main(int argc, char *argv[])
 {
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  check_completeness<2>();
-  check_completeness<3>();
+  check_gimp_weights();
+  for (const bool is_gimp : {false, true})
+    {
+      check_completeness<2>(is_gimp);
+      check_completeness<3>(is_gimp);
+    }
   return test::report();
 }

@@ -3,6 +3,8 @@
 // a step loses no particle, two balls in space conserve what two discs do,
 // and Newton converges quadratically.
 
+#include <emmy/step/velocity_map.h>
+
 #include "../check.h"
 #include "../scene.h"
 
@@ -243,19 +245,16 @@ namespace
 
     Scene<2>  &scene = run.scene;
     const auto stencils =
-      scene.shape_functions.evaluate(scene.particles, scene.grid);
+      scene.shape_functions->evaluate(scene.particles, scene.grid);
     const auto         points = gather(stencils, scene.layout);
-    ParticlesToGrid<2> map(scene.grid, scene.boundary_conditions, scene.layout);
+    ParticlesToGrid<2> map(scene.grid,
+                           scene.boundary_conditions,
+                           scene.layout,
+                           scene.mapping);
     GridStart<2>      &start = map(stencils, points);
     const auto         solver =
       make_linear_solver(parameters.solver, start.active->n_dofs(), 2);
-    solver->prepare(start.damped_mass);
-    start.velocity = start.mean_velocity;
-    solve_to_round_off(*solver,
-                       start.mass,
-                       start.active->constraints(),
-                       start.momentum,
-                       start.velocity);
+    map_velocity(scene.mapping, start.active->make_vector(), *solver, start);
     const StepData<2> step{stencils, points, start, 0., 0.1};
     const auto        equation = scene.balance.over(step);
     Vector            u        = start.mean_velocity;

@@ -5,6 +5,7 @@
 #include <emmy/assembly/inertia.h>
 #include <emmy/assembly/internal_force.h>
 #include <emmy/material/hencky.h>
+#include <emmy/particles/gimp.h>
 #include <emmy/step/stepper.h>
 
 #include <memory>
@@ -25,6 +26,7 @@ namespace emmy
       std::vector<std::string> roller    = {}; ///< sides of the grid
       std::vector<std::string> fixed     = {};
       double                   stiffness = 1e3; ///< Young's modulus, Pa
+      bool                     gimp      = false;
     };
 
     /**
@@ -34,17 +36,17 @@ namespace emmy
     template <int dim>
     struct Cloud
     {
-      std::unique_ptr<GridParameters<dim>>       grid_parameters;
-      std::unique_ptr<BoundaryParameters>        boundary_parameters;
-      std::unique_ptr<SolverParameters>          solver_parameters;
-      std::unique_ptr<BackgroundGrid<dim>>       grid;
-      std::unique_ptr<BoundaryConditions<dim>>   boundary_conditions;
-      std::unique_ptr<Material<dim>>             material;
-      FieldLayout                                layout = basic_fields(dim);
-      std::unique_ptr<Balance<dim>>              balance;
-      std::unique_ptr<LinearShapeFunctions<dim>> shape_functions;
-      dealii::Particles::ParticleHandler<dim>    particles;
-      dealii::Tensor<1, dim>                     acceleration;
+      std::unique_ptr<GridParameters<dim>>     grid_parameters;
+      std::unique_ptr<BoundaryParameters>      boundary_parameters;
+      std::unique_ptr<SolverParameters>        solver_parameters;
+      std::unique_ptr<BackgroundGrid<dim>>     grid;
+      std::unique_ptr<BoundaryConditions<dim>> boundary_conditions;
+      std::unique_ptr<Material<dim>>           material;
+      FieldLayout                              layout = basic_fields(dim);
+      std::unique_ptr<Balance<dim>>            balance;
+      std::unique_ptr<ShapeFunctions<dim>>     shape_functions;
+      dealii::Particles::ParticleHandler<dim>  particles;
+      dealii::Tensor<1, dim>                   acceleration;
 
       explicit Cloud(const CloudOptions &options)
       {
@@ -87,8 +89,11 @@ namespace emmy
               std::make_unique<Gravity<dim>>(acceleration, layout["mass"]));
           }
         balance = std::make_unique<Balance<dim>>(std::move(effects));
-        shape_functions =
-          std::make_unique<LinearShapeFunctions<dim>>(layout["body"]);
+        if (options.gimp)
+          shape_functions = std::make_unique<GimpShapeFunctions<dim>>(layout);
+        else
+          shape_functions =
+            std::make_unique<LinearShapeFunctions<dim>>(layout["body"]);
 
         particles.initialize(grid->triangulation(),
                              grid->mapping(),
@@ -140,6 +145,10 @@ namespace emmy
                   state.kirchhoff_stress[0][c];
               }
             values[layout["strain_energy_density"]] = state.stored_energy[0];
+            if (layout.has("half_length"))
+              for (unsigned int d = 0; d < dim; ++d)
+                values[layout["half_length"] + d] =
+                  (0.1 + 0.4 * unit(generator)) * grid->cell_size()[d];
             insert(id, x, values);
           }
         particles.update_cached_numbers();

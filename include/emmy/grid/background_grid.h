@@ -52,6 +52,9 @@ namespace emmy
 
     static constexpr unsigned int nodes_per_cell = 1 << dim;
 
+    /** Which cell of the grid, counted per direction from the lower corner. */
+    using Lattice = std::array<unsigned int, dim>;
+
     BackgroundGrid(const GridParameters<dim> &parameters,
                    const MPI_Comm             communicator);
 
@@ -94,6 +97,17 @@ namespace emmy
     unsigned int
     n_trees() const;
 
+    /** The cell of a position; of the nearest one if it is outside. */
+    Lattice
+    lattice(const dealii::Point<dim> &position) const;
+
+    /**
+     * A cell that this rank owns or knows as a neighbour of its own; past the
+     * end of the triangulation if it is neither. Cost: a binary search.
+     */
+    Cell
+    cell_at(const Lattice &lattice) const;
+
     /** Ids of the nodes of a cell, in deal.II's vertex order. */
     std::array<dealii::types::global_dof_index, nodes_per_cell>
     node_ids(const Cell &cell) const;
@@ -117,6 +131,8 @@ namespace emmy
   private:
     void
     number_nodes();
+    std::uint64_t
+    cell_number(const Lattice &lattice) const;
 
     const dealii::Point<dim>                                   lower, upper;
     const std::vector<unsigned int>                            counts;
@@ -128,6 +144,8 @@ namespace emmy
     dealii::DoFHandler<dim>                                    numbering;
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> node_partition;
     std::vector<dealii::Point<dim>> node_positions; // by local index
+    /** Owned and neighbouring cells by cell_number(), sorted. */
+    std::vector<std::pair<std::uint64_t, Cell>> cells_by_number;
   };
 } // namespace emmy
 

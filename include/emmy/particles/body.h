@@ -73,10 +73,16 @@ namespace emmy
                  const BackgroundGrid<dim>                &grid,
                  const typename BackgroundGrid<dim>::Cell &cell);
 
+  /** Half the size of the box that a particle starts with, m. */
+  template <int dim>
+  dealii::Tensor<1, dim>
+  initial_half_length(const Body<dim> &body, const BackgroundGrid<dim> &grid);
+
   /**
    * Fill the bodies with particles. Collective. A particle's volume is that of
-   * its box, its mass the body's density times that; its other fields have
-   * the layout's initial values. Ids count from 0 over the ranks.
+   * its box, its mass the body's density times that; its half-length, if there
+   * is such a field, half its box; its other fields have the layout's initial
+   * values. Ids count from 0 over the ranks.
    *
    * Throws ExcRun on all ranks for a body that reaches outside the grid, holds
    * no particle, or overlaps another body.

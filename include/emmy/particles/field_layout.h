@@ -12,8 +12,9 @@ namespace emmy
     enum class Kind
     {
       scalar,
-      vector,          ///< dim components
-      symmetric_tensor ///< n_mandel<dim> components in Mandel notation
+      vector,           ///< dim components
+      symmetric_tensor, ///< n_mandel<dim> components in Mandel notation
+      tensor            ///< dim x dim components by rows; 33 is 1 in 2D
     };
 
     std::string name;

@@ -65,7 +65,7 @@ namespace emmy
     }
   };
 
-  /** How points and nodes are connected: linear functions, later GIMP. */
+  /** How points and nodes are connected: linear functions or GIMP. */
   template <int dim>
   class ShapeFunctions
   {
@@ -73,7 +73,7 @@ namespace emmy
     virtual ~ShapeFunctions() = default;
 
     /**
-     * The stencils of all particles of this rank.
+     * The stencils of all particles of this rank. Collective.
      * For every point they satisfy, to round-off, sum S = 1, sum grad S = 0,
      * sum S x = x_p, sum x (x) grad S = I: all conservation laws rest on this.
      */

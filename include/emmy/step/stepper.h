@@ -4,11 +4,24 @@
 #include <emmy/assembly/balance.h>
 #include <emmy/assembly/step_report.h>
 #include <emmy/solve/newton.h>
+#include <emmy/step/accounts.h>
 #include <emmy/step/step_rule.h>
+#include <emmy/transfer/domain_update.h>
 #include <emmy/transfer/grid_to_particles.h>
 
 namespace emmy
 {
+  /** What a step is made of, as the scene chose it; borrowed. */
+  template <int dim>
+  struct StepMethod
+  {
+    const ShapeFunctions<dim> &shape_functions;
+    const DomainUpdate<dim>   *domain_update; ///< null: domains stay
+    const Mapping             &mapping;
+    const StepRule<dim>       &step_rule;
+    const Balance<dim>        &balance;
+  };
+
   /**
    * Advances the particles by one step: particles -> grid -> solve ->
    * particles. Owned by the scene; borrows all it is given.
@@ -20,9 +33,7 @@ namespace emmy
     Stepper(const BackgroundGrid<dim>               &grid,
             const BoundaryConditions<dim>           &boundary_conditions,
             const FieldLayout                       &layout,
-            const ShapeFunctions<dim>               &shape_functions,
-            const StepRule<dim>                     &step_rule,
-            const Balance<dim>                      &balance,
+            const StepMethod<dim>                   &method,
             const SolverParameters                  &solver_parameters,
             const TimeParameters                    &time_parameters,
             dealii::Particles::ParticleHandler<dim> &particles,
@@ -80,18 +91,28 @@ namespace emmy
     double
     next_time_step(const Stencils<dim>    &stencils,
                    const PointArrays<dim> &points) const;
-    Vector
-    velocity_from_momentum(const GridStart<dim> &start);
+    void
+    velocity_from_momentum(GridStart<dim> &start);
     Solution
     solve(const Stencils<dim> &stencils, const PointArrays<dim> &points);
+    /** Trial states of an accepted solution: positions, velocities, domains. */
+    void
+    move(const Stencils<dim>    &stencils,
+         const PointArrays<dim> &points,
+         Solution               &solution) const;
     StepReport
-    report(const Solution &solution, const PointArrays<dim> &points) const;
+    report(const Solution         &solution,
+           const Stencils<dim>    &stencils,
+           const PointArrays<dim> &points) const;
+    /** Those accounts that the method can make differ from zero. */
+    std::vector<EnergyEntry>
+    energy_entries(const StepAccounts &accounts) const;
+    std::string
+    where() const;
 
     const BackgroundGrid<dim>               &grid;
     const FieldLayout                       &layout;
-    const ShapeFunctions<dim>               &shape_functions;
-    const StepRule<dim>                     &step_rule;
-    const Balance<dim>                      &balance;
+    const StepMethod<dim>                    method;
     const SolverParameters                  &solver_parameters;
     const TimeParameters                    &limits;
     dealii::Particles::ParticleHandler<dim> &particles;

@@ -36,7 +36,9 @@ namespace emmy
     std::vector<const Material<dim> *>      material_of_body;
     FieldLayout                             layout;
     Balance<dim>                            balance;
-    LinearShapeFunctions<dim>               shape_functions;
+    std::unique_ptr<ShapeFunctions<dim>>    shape_functions;
+    std::unique_ptr<DomainUpdate<dim>>      domain_update; ///< GIMP only
+    Mapping                                 mapping;
     std::unique_ptr<StepRule<dim>>          step_rule;
     dealii::Particles::ParticleHandler<dim> particles;
     Stepper<dim>                            stepper;

@@ -8,6 +8,7 @@
 #include <emmy/particles/body.h>
 #include <emmy/solve/linear_solver.h>
 #include <emmy/step/step_rule.h>
+#include <emmy/transfer/particles_to_grid.h>
 
 #include <map>
 #include <memory>
@@ -40,12 +41,18 @@ namespace emmy
   {
   public:
     std::string shape_functions = "linear";
+    std::string domain_update   = "stretch";
     std::string mapping         = "FLIP";
+    double      flip_fraction   = -1.; // -1: not given
     double      lumping         = 0.;
     std::string stress_rule     = "conserving";
     std::string wall_mapping    = "constrained";
 
     MethodParameters();
+
+    /** Check what belongs to the mapping. Throws ExcParameter. */
+    Mapping
+    make_mapping() const;
   };
 
   /** Section `Output`. */

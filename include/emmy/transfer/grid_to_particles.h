@@ -8,8 +8,10 @@
 namespace emmy
 {
   /**
-   * Move the trial states: x_p += sum S u, v_p += sum S (v_new - v_old)
-   * (FLIP; Pretti et al. 2023, eqs 29, 30). Nothing is written to particles.
+   * Move the trial states: x_p += sum S u, and, with the FLIP fraction alpha,
+   * v_p = alpha (v_p + sum S (v_new - v_mapped)) + (1 - alpha) sum S v_new
+   * (FLIP and PIC; Pretti et al. 2023, eqs 28-30). Nothing is written to
+   * particles.
    *
    * @param points states at t
    * @param trial  gets positions and velocities at t + dt
@@ -21,11 +23,12 @@ namespace emmy
   std::string
   move_points(const Stencils<dim>       &stencils,
               const PointArrays<dim>    &points,
-              const ActiveGrid<dim>     &active,
+              const GridStart<dim>      &start,
               const BackgroundGrid<dim> &grid,
               const FieldLayout         &layout,
+              const double               flip_fraction,
               const Vector              &displacement,
-              const Vector              &velocity_change,
+              const Vector              &velocity_new,
               PointArrays<dim>          &trial);
 
   /**

@@ -14,6 +14,28 @@ namespace emmy
   PointArrays<dim>
   gather(const Stencils<dim> &stencils, const FieldLayout &layout);
 
+  /** How masses and velocities go to the grid and come back. */
+  struct Mapping
+  {
+    /** epsilon of M~ = (1 - epsilon) M + epsilon M_lumped (eq. 18). */
+    double lumping = 0.;
+    /** 1: FLIP (eq. 29), 0: PIC (eq. 28), between: a blend of both. */
+    double flip_fraction = 1.;
+    /** What the map does at fixed nodes. */
+    enum class Walls
+    {
+      /** They have the velocity of the wall in the map too. */
+      constrained,
+      /** The map knows no walls: fixed nodes bounce, v_new = -v_t. */
+      unconstrained,
+      /**
+       * The step starts from the constrained map, but particles take the
+       * change from the unconstrained one: they lose what the wall stops.
+       */
+      inelastic
+    } walls = Walls::constrained;
+  };
+
   /** Damping of the mass matrix in linear solvers, relative. */
   constexpr double mass_damping = 1e-13;
 
@@ -34,17 +56,26 @@ namespace emmy
      * Lumped, because then a rigid translation remains one.
      */
     Matrix damped_mass;
+    /** The same without the essential conditions; empty with
+     * Walls::constrained.
+     */
+    Matrix damped_mass_without_walls;
     /** Momentum p_A = sum m_p S_Ap v_p, kg m/s. */
     Vector momentum;
     /**
-     * Mean velocity of the particles that reach a node, weighted with m_p S_Ap
-     * and zero on constrained unknowns, m/s. Newton starts from it: exact in
+     * Mean velocity of the particles that reach a node, weighted with m_p S_Ap,
+     * m/s; it knows no essential conditions. Newton starts from it: exact in
      * free flight, and bounded where v_t, which extrapolates from few
      * particles, is not.
      */
     Vector mean_velocity;
-    /** Velocity v_t that solves M~ v = p under the constraints, m/s. */
+    /** Velocity v_t of the step, which solves M~ v = p, m/s. */
     Vector velocity;
+    /**
+     * The velocity from which the particles' change counts, m/s: v_t, but
+     * with Walls::inelastic that of the map without walls.
+     */
+    Vector mapped_velocity;
   };
 
   /**
@@ -58,7 +89,8 @@ namespace emmy
   public:
     ParticlesToGrid(const BackgroundGrid<dim>     &grid,
                     const BoundaryConditions<dim> &boundary_conditions,
-                    const FieldLayout             &layout);
+                    const FieldLayout             &layout,
+                    const Mapping                 &mapping);
 
     /**
      * Renew active nodes, mass and momentum. The velocity is left to the
@@ -79,6 +111,7 @@ namespace emmy
 
     const BackgroundGrid<dim>     &grid;
     const BoundaryConditions<dim> &boundary_conditions;
+    const Mapping                 &mapping;
     const unsigned int             mass_component, velocity_component;
     GridStart<dim>                 start;
   };

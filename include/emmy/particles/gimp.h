@@ -1,0 +1,98 @@
+#ifndef emmy_particles_gimp_h
+#define emmy_particles_gimp_h
+
+#include <emmy/particles/field_layout.h>
+#include <emmy/particles/stencils.h>
+
+namespace emmy
+{
+  /** A shape function in one direction and its derivative with respect to x. */
+  struct Weight
+  {
+    double value, slope; ///< 1, 1/m
+  };
+
+  /**
+   * The hat functions of a row of nodes, averaged over a particle's domain
+   * (Bardenhagen and Kober 2004), for a half-length of any size. In each cell
+   * the hats are linear, so the average over the part of the domain in that
+   * cell is the value at the part's centre; the parts are weighted with their
+   * share of the domain. This form has no cases, and keeps sum S = 1, sum S' =
+   * 0, sum S x = x to round-off, however small the domain.
+   *
+   * @param x       position of the particle, from the lower end of the first
+   *                overlapped cell, m
+   * @param l       half-length of the domain, m; 0: the hats at x, which lies
+   *                in the first cell
+   * @param h       cell size, m
+   * @param n_cells how many cells the domain overlaps
+   * @param weights gets those of the n_cells + 1 nodes
+   */
+  void
+  gimp_weights(const double       x,
+               const double       l,
+               const double       h,
+               const unsigned int n_cells,
+               Weight            *weights);
+
+  /**
+   * Generalised interpolation (GIMP): a particle is a box of half-lengths l,
+   * and reaches the nodes of all cells that its box overlaps. At the edge of
+   * the grid the box is clipped so that it stays centred on the particle;
+   * where less than 1e-6 h is left, the particle is a point with the linear
+   * functions of its cell
+   * (formulation of Pretti et al. 2023, sec. 3; Charlton et al. 2017).
+   *
+   * Particles that overlap the same cells and are of one body share a group.
+   * Cost per step: a sort of the particles, and up to 3^dim weights each while
+   * l <= h/2.
+   */
+  template <int dim>
+  class GimpShapeFunctions : public ShapeFunctions<dim>
+  {
+  public:
+    /** @param layout asked for the half-lengths of each particle */
+    explicit GimpShapeFunctions(FieldLayout &layout);
+
+    /**
+     * Collective. Throws ExcRun on all ranks for a particle with a half-length
+     * above the cell size, which would reach beyond the neighbours of its
+     * cell.
+     */
+    Stencils<dim>
+    evaluate(const dealii::Particles::ParticleHandler<dim> &particles,
+             const BackgroundGrid<dim> &grid) const override;
+
+  private:
+    using Cell    = typename BackgroundGrid<dim>::Cell;
+    using Lattice = typename BackgroundGrid<dim>::Lattice;
+
+    /** The part of the grid that a particle's domain overlaps. */
+    struct Overlap
+    {
+      Lattice first, last; ///< cells
+      /** Half-lengths as used, m: shrunk by round-off and clipped. */
+      dealii::Tensor<1, dim> half_length;
+    };
+    Overlap
+    overlap(const dealii::Point<dim>              &x,
+            const dealii::ArrayView<const double> &properties,
+            const BackgroundGrid<dim>             &grid) const;
+
+    const unsigned int body_component, half_length_component;
+  };
+
+  /**
+   * Cells that any rank found to be active, @p found sorted and without
+   * repetition, reported to their owners.
+   * @return the active cells that this rank owns, in the grid's order.
+   *   Collective.
+   */
+  template <int dim>
+  std::vector<typename BackgroundGrid<dim>::Cell>
+  owned_among_active(
+    const std::vector<typename BackgroundGrid<dim>::Cell> &found,
+    const BackgroundGrid<dim>                             &grid);
+} // namespace emmy
+
+#endif

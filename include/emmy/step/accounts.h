@@ -1,0 +1,56 @@
+#ifndef emmy_step_accounts_h
+#define emmy_step_accounts_h
+
+#include <emmy/assembly/balance.h>
+
+namespace emmy
+{
+  /**
+   * What the way between particles and grid, the walls and the solvers did to
+   * the energy in one step, J. With these, and with the energies of the
+   * balance,
+   *   gain of the particles' kinetic energy + stored + dissipated
+   *     = work of loads + reaction_work + residual_work
+   *       - lumping_loss - mapping_loss - wall_loss
+   * holds exactly, converged or not.
+   */
+  struct StepAccounts
+  {
+    /**
+     * Of what the solvers left: r.u of Newton on free unknowns, and
+     * (v_new - v_mapped).(p - M~ v_mapped) of the map.
+     */
+    double residual_work = 0.;
+    /** Of moving walls: on u in the step, and through the map. */
+    double reaction_work = 0.;
+    /**
+     * Of the lumped part X = M~ - M of the mass, Delta v . X Delta v / 2 with
+     * Delta v = v_new - v_mapped: never negative (Love and Sulsky 2006; Pretti
+     * et al. 2023, eqs 36, 38).
+     */
+    double lumping_loss = 0.;
+    /**
+     * What PIC, or its share, has less than FLIP. With alpha the FLIP
+     * fraction, d = v_p - sum S v_mapped and w = sum S v_new,
+     * (1 - alpha) sum m_p (w.d + (1 + alpha) d.d / 2).
+     */
+    double mapping_loss = 0.;
+    /**
+     * Of Walls::inelastic: w.M~ w / 2, with w what the walls take from the
+     * grid's velocity.
+     */
+    double wall_loss = 0.;
+  };
+
+  /** The accounts of a solved step, summed over the ranks. Collective. */
+  template <int dim>
+  StepAccounts
+  accounts(const StepData<dim>     &step,
+           const StepEquation<dim> &equation,
+           const FieldLayout       &layout,
+           const Mapping           &mapping,
+           const Vector            &displacement,
+           const Vector            &velocity_new);
+} // namespace emmy
+
+#endif

@@ -1,0 +1,67 @@
+#ifndef emmy_transfer_domain_update_h
+#define emmy_transfer_domain_update_h
+
+#include <emmy/particles/body.h>
+#include <emmy/particles/point_arrays.h>
+#include <emmy/transfer/active_grid.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace emmy
+{
+  /**
+   * How the domains of GIMP follow the deformation (Coombs et al. 2020): new
+   * half-lengths l from those at the start of the run, l0, and the accepted
+   * step. Owned by the scene; used once per accepted step, on trial states.
+   */
+  template <int dim>
+  class DomainUpdate
+  {
+  public:
+    virtual ~DomainUpdate() = default;
+
+    /**
+     * @param points       states at t
+     * @param displacement of the step at the local nodes, [dim * node + c], m
+     * @param trial        states at t + dt; gets the half-lengths
+     */
+    virtual void
+    operator()(const Stencils<dim>       &stencils,
+               const PointArrays<dim>    &points,
+               const ActiveGrid<dim>     &active,
+               const std::vector<double> &displacement,
+               PointArrays<dim>          &trial) const = 0;
+
+    /**
+     * What is wrong with the half-lengths on this rank, if anything: they must
+     * stay above 1e-6 h, and at most h.
+     */
+    static std::string
+    problem(const Stencils<dim>       &stencils,
+            const FieldLayout         &layout,
+            const BackgroundGrid<dim> &grid,
+            const PointArrays<dim>    &trial);
+  };
+
+  /**
+   * The update that the name stands for; with F = deformation gradient:
+   * - none: l = l0; null, as there is nothing to do;
+   * - detF: l = l0 (det F)^(1/dim);
+   * - diagF: l_i = l0_i F_ii, which can vanish under rotation;
+   * - stretch: l_i = l0_i U_ii, U = sqrt(F^T F);
+   * - corners: half the extent of the moved corners of the domain, scaled to
+   *   the volume det F prod 2 l0.
+   *
+   * @param layout asked for F by diagF and stretch alone
+   */
+  template <int dim>
+  std::unique_ptr<DomainUpdate<dim>>
+  make_domain_update(const std::string            &name,
+                     const std::vector<Body<dim>> &bodies,
+                     const BackgroundGrid<dim>    &grid,
+                     FieldLayout                  &layout);
+} // namespace emmy
+
+#endif

@@ -1,0 +1,280 @@
+#include <emmy/base/exceptions.h>
+#include <emmy/base/text.h>
+#include <emmy/particles/gimp.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace emmy
+{
+  namespace
+  {
+    /** Below this half-length, relative to h, a particle is a point. */
+    constexpr double smallest_half_length = 1e-6;
+
+    /**
+     * Domains are taken this much smaller, relatively, both to find the cells
+     * and to weight the nodes: domains that should just touch a face must not
+     * reach across it by round-off.
+     */
+    constexpr double shrinkage = 1.5e-8;
+  } // namespace
+
+  void
+  gimp_weights(const double       x,
+               const double       l,
+               const double       h,
+               const unsigned int n_cells,
+               Weight            *weights)
+  {
+    for (unsigned int i = 0; i <= n_cells; ++i)
+      weights[i] = {0., 0.};
+    double share_left = 1.;
+    for (unsigned int cell = 0; cell < n_cells; ++cell)
+      {
+        const double low    = std::max(x - l, cell * h),
+                     high   = std::min(x + l, (cell + 1) * h);
+        const double center = n_cells == 1 ? x : 0.5 * (low + high);
+        const double share =
+          cell + 1 == n_cells
+            ? share_left
+            : std::min(share_left, std::max(0., high - low) / (2. * l));
+        share_left -= share;
+        const double xi = center / h - cell;
+        weights[cell].value += share * (1. - xi);
+        weights[cell].slope -= share / h;
+        weights[cell + 1].value += share * xi;
+        weights[cell + 1].slope += share / h;
+      }
+  }
+
+  template <int dim>
+  GimpShapeFunctions<dim>::GimpShapeFunctions(FieldLayout &layout)
+    : body_component(layout["body"])
+    , half_length_component(
+        layout.add({"half_length",
+                    Field::Kind::vector,
+                    "m",
+                    "half the size of the particle's domain"}))
+  {}
+
+  template <int dim>
+  typename GimpShapeFunctions<dim>::Overlap
+  GimpShapeFunctions<dim>::overlap(
+    const dealii::Point<dim>              &x,
+    const dealii::ArrayView<const double> &properties,
+    const BackgroundGrid<dim>             &grid) const
+  {
+    Overlap result;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double h     = grid.cell_size()[d];
+        const double below = std::max(0., x[d] - grid.lower_corner()[d]),
+                     above = std::max(0., grid.upper_corner()[d] - x[d]);
+        const double l =
+          std::min({(1. - shrinkage) * properties[half_length_component + d],
+                    below,
+                    above});
+        const double n_last   = grid.n_cells()[d] - 1;
+        const double first    = std::floor((below - l) / h);
+        const double last     = l < smallest_half_length * h
+                                  ? first
+                                  : std::ceil((below + l) / h) - 1.;
+        result.first[d]       = std::min(n_last, std::max(0., first));
+        result.last[d]        = std::min(n_last, std::max(first, last));
+        result.half_length[d] = l;
+      }
+    return result;
+  }
+
+  template <int dim>
+  Stencils<dim>
+  GimpShapeFunctions<dim>::evaluate(
+    const dealii::Particles::ParticleHandler<dim> &particles,
+    const BackgroundGrid<dim>                     &grid) const
+  {
+    using ParticleIterator = typename Stencils<dim>::ParticleIterator;
+    struct Entry
+    {
+      std::array<unsigned int, 2 * dim + 1> key; // cells, body
+      ParticleIterator                      particle;
+      Overlap                               domain;
+    };
+    std::vector<Entry> entries;
+    entries.reserve(particles.n_locally_owned_particles());
+    std::string problem;
+    for (auto particle = particles.begin(); particle != particles.end();
+         ++particle)
+      {
+        const auto properties = particle->get_properties();
+        for (unsigned int d = 0; d < dim; ++d)
+          if (problem.empty() && !(properties[half_length_component + d] <=
+                                   grid.cell_size()[d] * (1. + 1e-12)))
+            problem =
+              "the domain of particle " + std::to_string(particle->get_id()) +
+              " at (" +
+              dealii::Patterns::Tools::to_string(particle->get_location()) +
+              ") m has the half-length " +
+              shortest(properties[half_length_component + d]) + " m along " +
+              "xyz"[d] + ", more than the cell size " +
+              shortest(grid.cell_size()[d]) + " m";
+        Entry entry{{},
+                    particle,
+                    overlap(particle->get_location(), properties, grid)};
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            entry.key[d]       = entry.domain.first[d];
+            entry.key[dim + d] = entry.domain.last[d];
+          }
+        entry.key[2 * dim] =
+          static_cast<unsigned int>(properties[body_component]);
+        entries.push_back(entry);
+      }
+    throw_together(grid.communicator(),
+                   "GIMP",
+                   problem,
+                   "refine no further than the particles stretch: use larger "
+                   "cells (Grid/Cells), more Points per direction, or another "
+                   "Method/Domain update.");
+    std::stable_sort(entries.begin(),
+                     entries.end(),
+                     [](const Entry &a, const Entry &b) {
+                       return a.key < b.key;
+                     });
+
+    Stencils<dim>     stencils;
+    std::vector<Cell> overlapped;
+    stencils.particles.reserve(entries.size());
+    for (const Entry &entry : entries)
+      stencils.particles.push_back(entry.particle);
+
+    for (std::size_t first = 0; first < entries.size();)
+      {
+        std::size_t last = first;
+        while (last < entries.size() && entries[last].key == entries[first].key)
+          ++last;
+        typename Stencils<dim>::Group group;
+        group.first_point = first;
+        group.n_points    = last - first;
+        group.body        = entries[first].key[2 * dim];
+        group.first_node  = stencils.node_ids.size();
+        group.first_value = stencils.values.size();
+
+        // the nodes of the overlapped box of cells, x fastest
+        const Lattice &low  = entries[first].domain.first,
+                      &high = entries[first].domain.last;
+        std::array<unsigned int, dim> n_in; // nodes per direction
+        group.n_nodes = 1;
+        for (unsigned int d = 0; d < dim; ++d)
+          group.n_nodes *= n_in[d] = high[d] - low[d] + 2;
+        const auto place = [&n_in](unsigned int node) {
+          std::array<unsigned int, dim> index;
+          for (unsigned int d = 0; d < dim; ++d, node /= n_in[d - 1])
+            index[d] = node % n_in[d];
+          return index;
+        };
+        for (unsigned int a = 0; a < group.n_nodes; ++a)
+          {
+            Lattice      lattice;
+            unsigned int vertex  = 0;
+            bool         is_cell = true; // the node is its lower corner
+            const auto   index   = place(a);
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                lattice[d] = std::min(low[d] + index[d], high[d]);
+                vertex |= (low[d] + index[d] - lattice[d]) << d;
+                is_cell = is_cell && low[d] + index[d] <= high[d];
+              }
+            const Cell cell = grid.cell_at(lattice);
+            Assert(cell != grid.triangulation().end(),
+                   dealii::ExcMessage(
+                     "A domain reaches beyond the ghost layer"));
+            if (is_cell)
+              overlapped.push_back(cell);
+            stencils.node_ids.push_back(grid.node_ids(cell)[vertex]);
+          }
+
+        const dealii::Point<dim> origin = grid.cell_at(low)->vertex(0);
+        stencils.values.resize(group.first_value +
+                               std::size_t(group.n_nodes) * group.n_points);
+        stencils.gradients.resize(dim * stencils.values.size());
+        std::array<std::array<Weight, 4>, dim> weights;
+        for (unsigned int q = 0; q < group.n_points; ++q)
+          {
+            const Entry &entry = entries[first + q];
+            const auto  &x     = entry.particle->get_location();
+            for (unsigned int d = 0; d < dim; ++d)
+              gimp_weights(x[d] - origin[d],
+                           entry.domain.half_length[d],
+                           grid.cell_size()[d],
+                           n_in[d] - 1,
+                           weights[d].data());
+            for (unsigned int a = 0; a < group.n_nodes; ++a)
+              {
+                const auto index = place(a);
+                double     value = 1.;
+                for (unsigned int d = 0; d < dim; ++d)
+                  value *= weights[d][index[d]].value;
+                stencils.values[group.first_value + a * group.n_points + q] =
+                  value;
+                for (unsigned int d = 0; d < dim; ++d)
+                  {
+                    double slope = weights[d][index[d]].slope;
+                    for (unsigned int e = 0; e < dim; ++e)
+                      if (e != d)
+                        slope *= weights[e][index[e]].value;
+                    stencils.gradients[dim * group.first_value +
+                                       (a * dim + d) * group.n_points + q] =
+                      slope;
+                  }
+              }
+          }
+        stencils.groups.push_back(group);
+        first = last;
+      }
+
+    std::sort(overlapped.begin(), overlapped.end());
+    overlapped.erase(std::unique(overlapped.begin(), overlapped.end()),
+                     overlapped.end());
+    stencils.active_cells = owned_among_active<dim>(overlapped, grid);
+    return stencils;
+  }
+
+  template <int dim>
+  std::vector<typename BackgroundGrid<dim>::Cell>
+  owned_among_active(
+    const std::vector<typename BackgroundGrid<dim>::Cell> &found,
+    const BackgroundGrid<dim>                             &grid)
+  {
+    using Lattice = typename BackgroundGrid<dim>::Lattice;
+    std::vector<typename BackgroundGrid<dim>::Cell> owned;
+    std::map<unsigned int, std::vector<Lattice>>    of_others;
+    for (const auto &cell : found)
+      if (cell->is_locally_owned())
+        owned.push_back(cell);
+      else
+        of_others[cell->subdomain_id()].push_back(grid.lattice(cell->center()));
+    if (dealii::Utilities::MPI::n_mpi_processes(grid.communicator()) == 1)
+      return owned;
+    for (const auto &[sender, lattices] :
+         dealii::Utilities::MPI::some_to_some(grid.communicator(), of_others))
+      {
+        (void)sender;
+        for (const Lattice &lattice : lattices)
+          owned.push_back(grid.cell_at(lattice));
+      }
+    std::sort(owned.begin(), owned.end());
+    owned.erase(std::unique(owned.begin(), owned.end()), owned.end());
+    return owned;
+  }
+
+  template class GimpShapeFunctions<2>;
+  template class GimpShapeFunctions<3>;
+  template std::vector<BackgroundGrid<2>::Cell>
+  owned_among_active<2>(const std::vector<BackgroundGrid<2>::Cell> &,
+                        const BackgroundGrid<2> &);
+  template std::vector<BackgroundGrid<3>::Cell>
+  owned_among_active<3>(const std::vector<BackgroundGrid<3>::Cell> &,
+                        const BackgroundGrid<3> &);
+} // namespace emmy

@@ -1,0 +1,285 @@
+#include <emmy/base/text.h>
+#include <emmy/math/spectral.h>
+#include <emmy/transfer/domain_update.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace emmy
+{
+  namespace
+  {
+    template <int dim>
+    using Group = typename Stencils<dim>::Group;
+
+    /** det F of a point, from its total b. */
+    template <int dim>
+    double
+    volume_ratio(const PointArrays<dim> &trial,
+                 const unsigned int      left_cauchy_green,
+                 const std::size_t       p)
+    {
+      const auto b = trial.template get<n_mandel<dim>>(left_cauchy_green, p);
+      return std::sqrt(determinant(mandel::block<dim>(b)) *
+                       (dim == 2 ? b[3] : 1.));
+    }
+
+    /** l = l0 (det F)^(1/dim). */
+    template <int dim>
+    class VolumeUpdate : public DomainUpdate<dim>
+    {
+    public:
+      VolumeUpdate(std::vector<dealii::Tensor<1, dim>> initial,
+                   const FieldLayout                  &layout)
+        : initial(std::move(initial))
+        , half_length(layout["half_length"])
+        , left_cauchy_green(layout["left_cauchy_green"])
+      {}
+
+      void
+      operator()(const Stencils<dim> &stencils,
+                 const PointArrays<dim> &,
+                 const ActiveGrid<dim> &,
+                 const std::vector<double> &,
+                 PointArrays<dim> &trial) const override
+      {
+        for (const auto &group : stencils.groups)
+          for (unsigned int q = 0; q < group.n_points; ++q)
+            {
+              const std::size_t p = group.first_point + q;
+              const double      scale =
+                std::pow(volume_ratio<dim>(trial, left_cauchy_green, p),
+                         1. / dim);
+              trial.set(half_length, p, scale * initial[group.body]);
+            }
+      }
+
+    private:
+      const std::vector<dealii::Tensor<1, dim>> initial; // of each body
+      const unsigned int                        half_length, left_cauchy_green;
+    };
+
+    /** From F: l_i = l0_i F_ii or l0_i U_ii. Also keeps F. */
+    template <int dim>
+    class GradientUpdate : public DomainUpdate<dim>
+    {
+    public:
+      GradientUpdate(const bool                          is_stretch,
+                     std::vector<dealii::Tensor<1, dim>> initial,
+                     FieldLayout                        &layout)
+        : is_stretch(is_stretch)
+        , initial(std::move(initial))
+        , half_length(layout["half_length"])
+        , deformation_gradient(
+            layout.add({"deformation_gradient",
+                        Field::Kind::tensor,
+                        "1",
+                        "deformation gradient F since the start of the run",
+                        unit()}))
+      {}
+
+      void
+      operator()(const Stencils<dim>       &stencils,
+                 const PointArrays<dim>    &points,
+                 const ActiveGrid<dim>     &active,
+                 const std::vector<double> &displacement,
+                 PointArrays<dim>          &trial) const override
+      {
+        for (const auto &group : stencils.groups)
+          for (unsigned int q = 0; q < group.n_points; ++q)
+            {
+              const std::size_t      p = group.first_point + q;
+              dealii::Tensor<2, dim> F_old, H;
+              for (unsigned int i = 0; i < dim; ++i)
+                for (unsigned int j = 0; j < dim; ++j)
+                  F_old[i][j] =
+                    points.component(deformation_gradient + dim * i + j)[p];
+              for (unsigned int a = 0; a < group.n_nodes; ++a)
+                {
+                  const double *u =
+                    displacement.data() + dim * active.nodes(group)[a];
+                  for (unsigned int i = 0; i < dim; ++i)
+                    for (unsigned int j = 0; j < dim; ++j)
+                      H[i][j] += u[i] * stencils.gradient(group, a, j)[q];
+                }
+              const dealii::Tensor<2, dim> F = F_old + H * F_old;
+              for (unsigned int i = 0; i < dim; ++i)
+                for (unsigned int j = 0; j < dim; ++j)
+                  trial.component(deformation_gradient + dim * i + j)[p] =
+                    F[i][j];
+              for (unsigned int d = 0; d < dim; ++d)
+                trial.component(half_length + d)[p] =
+                  initial[group.body][d] *
+                  (is_stretch ? stretch(F, d) : F[d][d]);
+            }
+      }
+
+    private:
+      static std::vector<double>
+      unit()
+      {
+        std::vector<double> F(dim * dim, 0.);
+        for (unsigned int d = 0; d < dim; ++d)
+          F[dim * d + d] = 1.;
+        return F;
+      }
+
+      /** U_dd of the right stretch U = sqrt(F^T F). */
+      static double
+      stretch(const dealii::Tensor<2, dim> &F, const unsigned int d)
+      {
+        const auto C = spectral_decomposition<dim>(
+          mandel::symmetric_part<dim>(transpose(F) * F, 1.));
+        double result = 0.;
+        for (unsigned int i = 0; i < dim; ++i)
+          result += std::sqrt(C.values[i]) * C.vectors[d][i] * C.vectors[d][i];
+        return result;
+      }
+
+      const bool                                is_stretch;
+      const std::vector<dealii::Tensor<1, dim>> initial;
+      const unsigned int half_length, deformation_gradient;
+    };
+
+    /** From the motion of the domain's corners. */
+    template <int dim>
+    class CornerUpdate : public DomainUpdate<dim>
+    {
+    public:
+      CornerUpdate(std::vector<dealii::Tensor<1, dim>> initial,
+                   const BackgroundGrid<dim>          &grid,
+                   const FieldLayout                  &layout)
+        : initial(std::move(initial))
+        , grid(grid)
+        , half_length(layout["half_length"])
+        , left_cauchy_green(layout["left_cauchy_green"])
+      {}
+
+      void
+      operator()(const Stencils<dim>       &stencils,
+                 const PointArrays<dim>    &points,
+                 const ActiveGrid<dim>     &active,
+                 const std::vector<double> &displacement,
+                 PointArrays<dim>          &trial) const override
+      {
+        for (const auto &group : stencils.groups)
+          for (unsigned int q = 0; q < group.n_points; ++q)
+            {
+              const std::size_t p = group.first_point + q;
+              const auto        l = points.template get<dim>(half_length, p);
+              dealii::Tensor<1, dim> lowest, highest;
+              for (unsigned int corner = 0; corner < (1u << dim); ++corner)
+                {
+                  dealii::Point<dim> x = points.point(p);
+                  for (unsigned int d = 0; d < dim; ++d)
+                    x[d] += (corner >> d) & 1 ? l[d] : -l[d];
+                  x = grid.clamped(x);
+                  x += displacement_at(x, group, active, displacement);
+                  for (unsigned int d = 0; d < dim; ++d)
+                    {
+                      lowest[d] =
+                        corner == 0 ? x[d] : std::min(lowest[d], x[d]);
+                      highest[d] =
+                        corner == 0 ? x[d] : std::max(highest[d], x[d]);
+                    }
+                }
+              double ratio = volume_ratio<dim>(trial, left_cauchy_green, p);
+              for (unsigned int d = 0; d < dim; ++d)
+                ratio *=
+                  initial[group.body][d] / (0.5 * (highest[d] - lowest[d]));
+              trial.set(half_length,
+                        p,
+                        0.5 * std::pow(ratio, 1. / dim) * (highest - lowest));
+            }
+      }
+
+    private:
+      /** With hats: a corner lies in a cell that the domain overlaps. */
+      dealii::Tensor<1, dim>
+      displacement_at(const dealii::Point<dim>  &x,
+                      const Group<dim>          &group,
+                      const ActiveGrid<dim>     &active,
+                      const std::vector<double> &displacement) const
+      {
+        dealii::Tensor<1, dim> result;
+        double                 sum = 0.;
+        for (unsigned int a = 0; a < group.n_nodes; ++a)
+          {
+            const unsigned int node   = active.nodes(group)[a];
+            double             weight = 1.;
+            for (unsigned int d = 0; d < dim; ++d)
+              weight *=
+                std::max(0.,
+                         1. - std::abs(x[d] - active.position(node)[d]) /
+                                grid.cell_size()[d]);
+            sum += weight;
+            for (unsigned int c = 0; c < dim; ++c)
+              result[c] += weight * displacement[dim * node + c];
+          }
+        // one but for corners a hair outside the overlapped cells
+        return result / sum;
+      }
+
+      const std::vector<dealii::Tensor<1, dim>> initial;
+      const BackgroundGrid<dim>                &grid;
+      const unsigned int                        half_length, left_cauchy_green;
+    };
+  } // namespace
+
+  template <int dim>
+  std::string
+  DomainUpdate<dim>::problem(const Stencils<dim>       &stencils,
+                             const FieldLayout         &layout,
+                             const BackgroundGrid<dim> &grid,
+                             const PointArrays<dim>    &trial)
+  {
+    for (std::size_t p = 0; p < trial.n_points(); ++p)
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          const double l = trial.component(layout["half_length"] + d)[p],
+                       h = grid.cell_size()[d];
+          if (!(l > 1e-6 * h && l <= h))
+            return "the half-length of particle " +
+                   std::to_string(stencils.particles[p]->get_id()) + " at (" +
+                   dealii::Patterns::Tools::to_string(
+                     stencils.particles[p]->get_location()) +
+                   ") m along " + "xyz"[d] + " would become " + shortest(l) +
+                   " m; it must stay between 1e-6 and 1 of the cell size " +
+                   shortest(h) + " m";
+        }
+    return "";
+  }
+
+  template <int dim>
+  std::unique_ptr<DomainUpdate<dim>>
+  make_domain_update(const std::string            &name,
+                     const std::vector<Body<dim>> &bodies,
+                     const BackgroundGrid<dim>    &grid,
+                     FieldLayout                  &layout)
+  {
+    std::vector<dealii::Tensor<1, dim>> initial;
+    for (const Body<dim> &body : bodies)
+      initial.push_back(initial_half_length(body, grid));
+    if (name == "detF")
+      return std::make_unique<VolumeUpdate<dim>>(initial, layout);
+    if (name == "diagF" || name == "stretch")
+      return std::make_unique<GradientUpdate<dim>>(name == "stretch",
+                                                   initial,
+                                                   layout);
+    if (name == "corners")
+      return std::make_unique<CornerUpdate<dim>>(initial, grid, layout);
+    AssertThrow(name == "none", dealii::ExcNotImplemented());
+    return nullptr;
+  }
+
+#define INSTANTIATE(dim)                                               \
+  template class DomainUpdate<dim>;                                    \
+  template std::unique_ptr<DomainUpdate<dim>> make_domain_update<dim>( \
+    const std::string &,                                               \
+    const std::vector<Body<dim>> &,                                    \
+    const BackgroundGrid<dim> &,                                       \
+    FieldLayout &);
+  INSTANTIATE(2)
+  INSTANTIATE(3)
+#undef INSTANTIATE
+} // namespace emmy
