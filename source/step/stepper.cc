@@ -54,7 +54,7 @@ namespace emmy
         stencils, solution.equation->trial(), layout, grid, particles);
     });
     count_points(points.n_points(), solution.newton.residual_history.size());
-    velocity    = solution.velocity;
+    velocity    = std::move(solution.velocity);
     time        = result.time;
     step_number = result.step;
     return result;

@@ -21,29 +21,31 @@ namespace emmy
       return result;
     };
 
+    // The vectors of the step before may be distributed in another way, which
+    // Trilinos vectors do not notice when they are copied into: so move.
     LinearResult result;
-    start.velocity = start.mean_velocity;
     if (mapping.walls != Mapping::Walls::unconstrained)
       {
-        walls.set_zero(start.velocity);
-        start.velocity += wall_velocity;
-        result = solve(start.damped_mass, walls, start.velocity);
+        Vector velocity = start.mean_velocity;
+        walls.set_zero(velocity);
+        velocity += wall_velocity;
+        result         = solve(start.damped_mass, walls, velocity);
+        start.velocity = std::move(velocity);
       }
-    if (mapping.walls == Mapping::Walls::constrained || !result.is_solved)
+    if (result.is_solved && mapping.walls != Mapping::Walls::constrained)
       {
-        start.mapped_velocity = start.velocity;
-        return result;
+        dealii::AffineConstraints<double> none;
+        none.close();
+        Vector             velocity = start.mean_velocity;
+        const unsigned int so_far   = result.iterations;
+        result = solve(start.damped_mass_without_walls, none, velocity);
+        result.iterations += so_far;
+        start.mapped_velocity = std::move(velocity);
       }
-    dealii::AffineConstraints<double> none;
-    none.close();
-    start.mapped_velocity = start.mean_velocity;
-    const LinearResult without_walls =
-      solve(start.damped_mass_without_walls, none, start.mapped_velocity);
+    if (mapping.walls == Mapping::Walls::constrained)
+      start.mapped_velocity = Vector(start.velocity);
     if (mapping.walls == Mapping::Walls::unconstrained)
-      start.velocity = start.mapped_velocity;
-    result.iterations += without_walls.iterations;
-    result.is_solved = without_walls.is_solved;
-    result.problem   = without_walls.problem;
+      start.velocity = Vector(start.mapped_velocity);
     return result;
   }
 
