@@ -70,7 +70,8 @@ namespace emmy
             different.push_back(point);
         const auto farthest =
           std::max_element(distances.begin(), distances.end());
-        return load_on(different.size()) + ", the farthest " +
+        return load_on(different.size()) +
+               (different.size() > 1 ? ", the farthest " : ", ") +
                brief(*farthest) + " m from its position (" +
                dealii::Patterns::Tools::to_string(
                  positions[farthest - distances.begin()]) +
