@@ -46,6 +46,17 @@ namespace emmy
   }
 
   template <int dim>
+  std::vector<std::string>
+  Balance<dim>::mark(const BackgroundGrid<dim>               &grid,
+                     dealii::Particles::ParticleHandler<dim> &particles) const
+  {
+    std::vector<std::string> notes;
+    for (const auto &marker : effects.markers)
+      notes.push_back(marker->mark(grid, particles));
+    return notes;
+  }
+
+  template <int dim>
   std::vector<EnergyEntry>
   Balance<dim>::energy_entries() const
   {

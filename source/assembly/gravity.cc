@@ -15,6 +15,7 @@ namespace emmy
                         dealii::Patterns::List(dealii::Patterns::Double(),
                                                0,
                                                dim));
+    amplitude.declare(*this);
   }
 
   template <int dim>
@@ -33,37 +34,10 @@ namespace emmy
     dealii::Tensor<1, dim> g;
     for (unsigned int d = 0; d < dim; ++d)
       g[d] = acceleration[d];
-    effects.loads.push_back(std::make_unique<Gravity<dim>>(g, layout["mass"]));
-  }
-
-  template <int dim>
-  Gravity<dim>::Gravity(const dealii::Tensor<1, dim> &acceleration,
-                        const unsigned int            mass_component)
-    : acceleration(acceleration)
-    , mass_component(mass_component)
-  {}
-
-  template <int dim>
-  void
-  Gravity<dim>::add(const StepData<dim> &step,
-                    std::vector<double> &local_force) const
-  {
-    const double *mass = step.points.component(mass_component);
-    for (const auto &group : step.stencils.groups)
-      for (unsigned int a = 0; a < group.n_nodes; ++a)
-        {
-          const double *S          = step.stencils.value(group, a);
-          double        nodal_mass = 0.;
-          for (unsigned int p = 0; p < group.n_points; ++p)
-            nodal_mass += S[p] * mass[group.first_point + p];
-          const unsigned int node = step.start.active->nodes(group)[a];
-          for (unsigned int c = 0; c < dim; ++c)
-            local_force[dim * node + c] += nodal_mass * acceleration[c];
-        }
+    effects.loads.push_back(std::make_unique<Gravity<dim>>(
+      g, layout["mass"], Amplitude(amplitude, this->path())));
   }
 
   template class GravityParameters<2>;
   template class GravityParameters<3>;
-  template class Gravity<2>;
-  template class Gravity<3>;
 } // namespace emmy

@@ -1,4 +1,5 @@
 #include <emmy/assembly/gravity.h>
+#include <emmy/assembly/point_load.h>
 
 #include <cctype>
 
@@ -23,6 +24,11 @@ namespace emmy
                    "a constant acceleration on all particles",
                    [](const std::string &section) {
                      return std::make_unique<GravityParameters<dim>>(section);
+                   }});
+      effects.add({"point load",
+                   "a force that chosen particles hold and carry along",
+                   [](const std::string &section) {
+                     return std::make_unique<PointLoadParameters<dim>>(section);
                    }});
       return effects;
     }();

@@ -52,17 +52,18 @@ namespace emmy
                 const unsigned int n_components,
                 const std::string &section,
                 const std::string &entry,
-                const std::string &remedy)
+                const std::string &remedy,
+                const std::string &variables)
   {
     auto function = std::make_unique<dealii::FunctionParser<dim>>(n_components);
     // what deal.II prints on every rank is part of the message below
     const Silence silence;
     try
       {
-        function->initialize(
-          dealii::FunctionParser<dim>::default_variable_names(),
-          text,
-          std::map<std::string, double>{{"pi", dealii::numbers::PI}});
+        function->initialize(variables,
+                             text,
+                             std::map<std::string, double>{
+                               {"pi", dealii::numbers::PI}});
         function->value(dealii::Point<dim>()); // only now it is parsed
       }
     catch (const dealii::ExceptionBase &error)
@@ -85,7 +86,9 @@ namespace emmy
     const unsigned int,                                                     \
     const std::string &,                                                    \
     const std::string &,                                                    \
+    const std::string &,                                                    \
     const std::string &);
+  INSTANTIATE(1)
   INSTANTIATE(2)
   INSTANTIATE(3)
 #undef INSTANTIATE

@@ -153,6 +153,7 @@ namespace emmy
                          grid.mapping(),
                          layout.n_components());
     fill(bodies, grid, layout, particles);
+    notes = balance.mark(grid, particles);
   }
 
   template <int dim>
@@ -195,6 +196,8 @@ namespace emmy
                           ? "none beyond inertia and internal force"
                           : join(parameters.effect_names.names))
                     << '\n';
+    for (const std::string &note : notes)
+      line("") << note << '\n';
     for (const auto &[name, effect] : parameters.effects)
       {
         const auto &named = parameters.effect_names.names;

@@ -221,6 +221,89 @@ for assignment in 'End time' 'Time/=1'; do
     base.prm --set "$assignment"
 done
 
+echo "Amplitudes"
+# refused_amplitude NAME WORDS ENTRY=VALUE...: of gravity
+refused_amplitude()
+{
+  name=$1 words=$2
+  shift 2
+  for entry; do
+    shift
+    set -- "$@" --set "Effects/Gravity/$entry"
+  done
+  refused "$name" "$words" base.prm --set 'Effects/Names=gravity' \
+    --set 'Effects/Gravity/Acceleration=0, -9.81' "$@"
+}
+refused_amplitude 'malformed amplitude' \
+  '<Effects/Gravity/Amplitude> is <2*(t>: it cannot be read (|Missing parenthesis|Write a formula in t' \
+  'Amplitude=2*(t'
+refused_amplitude 'amplitude in space' \
+  '<Effects/Gravity/Amplitude> is <x>|Unexpected token "x"|Write a formula in t' 'Amplitude=x'
+refused_amplitude 'two amplitudes' \
+  '<Effects/Gravity/Amplitude> is <t>: <Amplitude table> is given too, <0: 1>|Remove one' \
+  'Amplitude=t' 'Amplitude table=0: 1'
+for item in 'one' '1' '1: 2: 3' '1: nan' '1: 5x'; do
+  refused_amplitude "malformed amplitude table <$item>" \
+    "<Effects/Gravity/Amplitude table> is <0: 1, $item>|<$item> is not a pair|Write pairs <time: value>" \
+    "Amplitude table=0: 1, $item"
+done
+refused_amplitude 'amplitude table out of order' \
+  '<Effects/Gravity/Amplitude table> is <0: 0, 2: 1, 1.5: 0>|time 1.5 s stands after 2 s|do not decrease' \
+  'Amplitude table=0: 0, 2: 1, 1.5: 0'
+refused_amplitude 'amplitude table with a time thrice' \
+  '<Effects/Gravity/Amplitude table>|time 1 s stands there more than twice' \
+  'Amplitude table=1: 0, 1: 1, 1: 2'
+refused_amplitude 'unknown sampling' \
+  '<Effects/Gravity/Sampling> is <start>|one of mid, end' 'Sampling=start'
+
+echo "Point load"
+# refused_load NAME WORDS ENTRY=VALUE...
+refused_load()
+{
+  name=$1 words=$2
+  shift 2
+  for entry; do
+    shift
+    set -- "$@" --set "Effects/Point load/$entry"
+  done
+  refused "$name" "$words" base.prm --set 'Effects/Names=point load' "$@"
+}
+refused_load 'load without force' \
+  '<Effects/Point load/Force> is <>|required: 2 components in N, separated by ;|0; -500e3' \
+  'Region=1'
+refused_load 'load with one component' \
+  '<Effects/Point load/Force> is <1.5>|required: 2 components in N' 'Force=1.5' 'Region=1'
+refused_load 'load with three components' \
+  '<Effects/Point load/Force> is <1; 2; 3>|a list of 0 to 2 items separated by <;>, each a number' \
+  'Force=1; 2; 3' 'Region=1'
+refused_load 'load without particles' \
+  '<Effects/Point load/Points nearest to> is <>|Give positions|or <Region>' 'Force=0; 1'
+refused_load 'load with both choices' \
+  '<Effects/Point load/Region> is <x>: <Points nearest to> is given too|Remove one' \
+  'Force=0; 1' 'Region=x' 'Points nearest to=1, 1'
+refused_load 'position with one coordinate' \
+  '<Effects/Point load/Points nearest to> is <1, 1; 2>|separated by <;>, each a list of 2 items separated by <,>' \
+  'Force=0; 1' 'Points nearest to=1, 1; 2'
+refused_load 'load on no particle' \
+  '<Effects/Point load/Region> is <x - 3>|no particle is inside|positive at the particles' \
+  'Force=0; 1' 'Region=x - 3'
+refused_load 'malformed region' \
+  '<Effects/Point load/Region> is <x ->|cannot be read|Write a formula in x,y' \
+  'Force=0; 1' 'Region=x -'
+# In steps of 1/8 s the middle of the third is at 0.3125 s.
+pole='Effects/Point load/Amplitude=1/(t - 0.3125)'
+emmy_run base.prm --set 'Effects/Names=point load' --set 'Effects/Point load/Force=1; 0' \
+  --set 'Effects/Point load/Region=x - 1.5' --set "$pole"
+check 'infinite amplitude: exit code 1' [ "$status" -eq 1 ]
+expect_error 'infinite amplitude' \
+  'Effects/Point load: Amplitude <1/(t - 0.3125)> is inf at t = 0.3125 s|must be finite'
+check 'infinite amplitude: the ledger has the two accepted rows' has_lines 4 results/ledger.csv
+check 'infinite amplitude: run.log tells on what the load acts' \
+  has_lines 1 results/run.log 'point load on 8 particles$'
+check 'infinite amplitude: run.log tells the reason' \
+  matches results/run.log 'stopped: Effects/Point load: .* is inf at t = 0.3125 s'
+rm -rf results
+
 echo "Gravity"
 refused_set 'gravity without acceleration' \
   '<Effects/Gravity/Acceleration>|required: 2 components in m/s^2|0, -9.81' \
@@ -338,6 +421,21 @@ expect_error 'leaving, two ranks' 'Step 5 from t = 0.5 s|would leave the grid, t
 check 'leaving, two ranks: the ledger has the four accepted rows' has_lines 6 results/ledger.csv
 check 'leaving, two ranks: run.log tells the reason once' \
   has_lines 1 results/run.log 'stopped: Step 5 .* would leave the grid'
+rm -rf results
+refused_by_two 'load on no particle' '<Effects/Point load/Region> is <x - 3>|no particle' \
+  base.prm --set "$across" --set 'Effects/Names=point load' \
+  --set 'Effects/Point load/Force=1; 0' --set 'Effects/Point load/Region=x - 3'
+refused_by_two 'malformed amplitude table' '<Effects/Point load/Amplitude table> is <0>' \
+  base.prm --set "$across" --set 'Effects/Names=point load' \
+  --set 'Effects/Point load/Force=1; 0' --set 'Effects/Point load/Region=1' \
+  --set 'Effects/Point load/Amplitude table=0'
+run_on_two_ranks base.prm --set "$across" --set 'Effects/Names=point load' \
+  --set 'Effects/Point load/Force=1; 0' --set 'Effects/Point load/Region=1' --set "$pole"
+check 'infinite amplitude, two ranks: fails' [ "$status" -ne 0 ]
+check 'infinite amplitude, two ranks: does not hang' [ "$status" -ne 124 ]
+expect_error 'infinite amplitude, two ranks' 'Effects/Point load: Amplitude|is inf at t = 0.3125 s'
+check 'infinite amplitude, two ranks: the ledger has the two accepted rows' \
+  has_lines 4 results/ledger.csv
 rm -rf results
 # All sixteen particles are in one cell.
 run_on_two_ranks base.prm --set 'Time/Maximum steps=1'

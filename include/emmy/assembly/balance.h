@@ -24,6 +24,15 @@ namespace emmy
     std::unique_ptr<StepEquation<dim>>
     over(const StepData<dim> &step) const;
 
+    /**
+     * Write the initial fields of the effects to particles that were just
+     * filled. Collective; throws on all ranks.
+     * @return what was chosen, in words, for the log
+     */
+    std::vector<std::string>
+    mark(const BackgroundGrid<dim>               &grid,
+         dealii::Particles::ParticleHandler<dim> &particles) const;
+
     /** Entries of the ledger that the terms bring, all zero. */
     std::vector<EnergyEntry>
     energy_entries() const;

@@ -88,12 +88,33 @@ namespace emmy
     add(const StepData<dim> &step, std::vector<double> &local_force) const = 0;
   };
 
+  /**
+   * Chooses particles that an effect acts on and writes an initial field that
+   * tells so. Owned by the balance; used once, after the bodies are filled.
+   */
+  template <int dim>
+  class Marker
+  {
+  public:
+    virtual ~Marker() = default;
+
+    /**
+     * Write the field. The choice must not depend on the partition; ids do.
+     * Collective; throws on all ranks.
+     * @return a line for the log: what was chosen; the same on all ranks
+     */
+    virtual std::string
+    mark(const BackgroundGrid<dim>               &grid,
+         dealii::Particles::ParticleHandler<dim> &particles) const = 0;
+  };
+
   /** All that acts in a scene, inertia and internal force among the terms. */
   template <int dim>
   struct Effects
   {
     std::vector<std::unique_ptr<ForceTerm<dim>>> terms;
     std::vector<std::unique_ptr<StepLoad<dim>>>  loads;
+    std::vector<std::unique_ptr<Marker<dim>>>    markers;
   };
 
   /** The section of an effect, e.g. "Effects/Gravity". */

@@ -1,7 +1,7 @@
 #ifndef emmy_assembly_gravity_h
 #define emmy_assembly_gravity_h
 
-#include <emmy/assembly/force_term.h>
+#include <emmy/assembly/field_load.h>
 
 namespace emmy
 {
@@ -17,27 +17,15 @@ namespace emmy
 
   private:
     std::vector<double> acceleration; // m/s^2
+    AmplitudeParameters amplitude;
   };
 
   /**
-   * Gravity: f_A = sum S_Ap m_p g. Its work over a step is the loss of
-   * potential energy, exactly.
+   * Gravity: f_A = a sum S_Ap m_p g. With a constant amplitude its work over a
+   * step is the loss of potential energy, exactly.
    */
   template <int dim>
-  class Gravity : public StepLoad<dim>
-  {
-  public:
-    Gravity(const dealii::Tensor<1, dim> &acceleration,
-            const unsigned int            mass_component);
-
-    void
-    add(const StepData<dim> &step,
-        std::vector<double> &local_force) const override;
-
-  private:
-    const dealii::Tensor<1, dim> acceleration;
-    const unsigned int           mass_component;
-  };
+  using Gravity = FieldLoad<dim>;
 } // namespace emmy
 
 #endif

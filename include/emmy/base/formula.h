@@ -9,12 +9,14 @@
 namespace emmy
 {
   /**
-   * Read formulas of a parameter: functions of the position x, y (and z),
-   * separated by ;, that may use pi. Throws ExcParameter for @p section and
+   * Read formulas of a parameter: functions of the position x, y (and z), or
+   * of other variables, separated by ;, that may use pi. Throws ExcParameter
+   * for @p section and
    * @p entry with the parser's complaint and @p remedy.
    *
    * @param n_components how many formulas there must be
    * @param remedy       what is expected, e.g. "Write 2 components, ..."
+   * @param variables    dim names separated by commas, e.g. "t" with dim = 1
    */
   template <int dim>
   std::unique_ptr<dealii::FunctionParser<dim>>
@@ -22,7 +24,9 @@ namespace emmy
                 const unsigned int n_components,
                 const std::string &section,
                 const std::string &entry,
-                const std::string &remedy);
+                const std::string &remedy,
+                const std::string &variables =
+                  dealii::FunctionParser<dim>::default_variable_names());
 } // namespace emmy
 
 #endif

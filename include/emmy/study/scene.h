@@ -42,6 +42,8 @@ namespace emmy
     std::unique_ptr<StepRule<dim>>          step_rule;
     dealii::Particles::ParticleHandler<dim> particles;
     Stepper<dim>                            stepper;
+    /** On which particles effects act, in words. */
+    std::vector<std::string> notes;
 
   private:
     /** Sum of the particles' reference volumes, m^3. Collective. */

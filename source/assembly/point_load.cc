@@ -1,0 +1,265 @@
+#include <emmy/assembly/point_load.h>
+#include <emmy/base/exceptions.h>
+#include <emmy/base/formula.h>
+#include <emmy/base/text.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace emmy
+{
+  using dealii::Point;
+
+  namespace
+  {
+    /** "point load on 3 particles" */
+    std::string
+    load_on(const std::size_t n_particles)
+    {
+      return "point load on " + std::to_string(n_particles) +
+             (n_particles == 1 ? " particle" : " particles");
+    }
+
+    /**
+     * Whether the first differing coordinate of @p a is the smaller one;
+     * round-off is no difference.
+     */
+    template <int dim>
+    bool
+    comes_before(const Point<dim> &a,
+                 const Point<dim> &b,
+                 const double      tolerance)
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        if (std::abs(a[d] - b[d]) > tolerance)
+          return a[d] < b[d];
+      return false;
+    }
+
+    /**
+     * Gives one share to the particle that is nearest to each position. Of
+     * equally near ones it takes the one with the smallest x, then y, then z.
+     * Cost: particles times positions, twice.
+     */
+    template <int dim>
+    class NearestParticles : public Marker<dim>
+    {
+    public:
+      NearestParticles(const std::vector<Point<dim>> &positions,
+                       const unsigned int             component)
+        : positions(positions)
+        , component(component)
+      {}
+
+      std::string
+      mark(const BackgroundGrid<dim>               &grid,
+           dealii::Particles::ParticleHandler<dim> &particles) const override
+      {
+        std::vector<double> distances;
+        const auto          chosen = choose(grid, particles, distances);
+        const double        share  = 1. / positions.size();
+        for (auto &particle : particles)
+          particle.get_properties()[component] =
+            share *
+            std::count(chosen.begin(), chosen.end(), particle.get_location());
+
+        std::vector<Point<dim>> different;
+        for (const Point<dim> &point : chosen)
+          if (std::find(different.begin(), different.end(), point) ==
+              different.end())
+            different.push_back(point);
+        const auto farthest =
+          std::max_element(distances.begin(), distances.end());
+        return load_on(different.size()) +
+               (different.size() > 1 ? ", the farthest " : ", ") +
+               brief(*farthest) + " m from its position (" +
+               dealii::Patterns::Tools::to_string(
+                 positions[farthest - distances.begin()]) +
+               ") m";
+      }
+
+    private:
+      /** Where the particles are, and how far from the positions. Collective.
+       */
+      std::vector<Point<dim>>
+      choose(const BackgroundGrid<dim>                     &grid,
+             const dealii::Particles::ParticleHandler<dim> &particles,
+             std::vector<double>                           &distances) const
+      {
+        const std::size_t n         = positions.size();
+        const double      tolerance = 1e-9 * grid.smallest_cell_size();
+        distances.assign(n, std::numeric_limits<double>::max());
+        for (const auto &particle : particles)
+          for (std::size_t i = 0; i < n; ++i)
+            distances[i] =
+              std::min(distances[i],
+                       positions[i].distance(particle.get_location()));
+        dealii::Utilities::MPI::min(distances, grid.communicator(), distances);
+
+        Point<dim> last;
+        for (unsigned int d = 0; d < dim; ++d)
+          last[d] = std::numeric_limits<double>::max();
+        std::vector<Point<dim>> chosen(n, last);
+        for (const auto &particle : particles)
+          for (std::size_t i = 0; i < n; ++i)
+            {
+              const Point<dim> &here = particle.get_location();
+              if (positions[i].distance(here) <= distances[i] + tolerance &&
+                  comes_before(here, chosen[i], tolerance))
+                chosen[i] = here;
+            }
+        for (const auto &candidates :
+             dealii::Utilities::MPI::all_gather(grid.communicator(), chosen))
+          for (std::size_t i = 0; i < n; ++i)
+            if (comes_before(candidates[i], chosen[i], tolerance))
+              chosen[i] = candidates[i];
+        return chosen;
+      }
+
+      const std::vector<Point<dim>> positions;
+      const unsigned int            component;
+    };
+
+    /** Gives equal shares to all particles where a formula is positive. */
+    template <int dim>
+    class ParticlesInside : public Marker<dim>
+    {
+    public:
+      ParticlesInside(const std::string &region,
+                      const std::string &section,
+                      const unsigned int component)
+        : text(region)
+        , section(section)
+        , remedy("Write a formula in " +
+                 dealii::FunctionParser<dim>::default_variable_names() +
+                 " that is positive at the particles that hold the load, e.g. "
+                 "x - 9.9.")
+        , region(read_formulas<dim>(text, 1, section, "Region", remedy))
+        , component(component)
+      {}
+
+      std::string
+      mark(const BackgroundGrid<dim>               &grid,
+           dealii::Particles::ParticleHandler<dim> &particles) const override
+      {
+        unsigned long n_inside = 0;
+        for (const auto &particle : particles)
+          n_inside += is_inside(particle.get_location());
+        n_inside = dealii::Utilities::MPI::sum(n_inside, grid.communicator());
+        AssertThrow(n_inside > 0,
+                    ExcParameter(section,
+                                 "Region",
+                                 text,
+                                 "no particle is inside at the start. " +
+                                   remedy));
+        const double share = 1. / n_inside;
+        for (auto &particle : particles)
+          if (is_inside(particle.get_location()))
+            particle.get_properties()[component] = share;
+        return load_on(n_inside);
+      }
+
+    private:
+      bool
+      is_inside(const Point<dim> &position) const
+      {
+        return region->value(position) > 0.;
+      }
+
+      const std::string                                  text, section, remedy;
+      const std::unique_ptr<dealii::FunctionParser<dim>> region;
+      const unsigned int                                 component;
+    };
+  } // namespace
+
+  template <int dim>
+  PointLoadParameters<dim>::PointLoadParameters(const std::string &section)
+    : EffectParameters<dim>(section)
+  {
+    using dealii::Patterns::Double;
+    using dealii::Patterns::List;
+    const unsigned int any = std::numeric_limits<unsigned int>::max();
+    this->add_parameter("Force",
+                        force,
+                        "Components of the whole force, separated by ;. The "
+                        "amplitude multiplies it. Unit: N (per metre of "
+                        "thickness in plane strain). Required if point load "
+                        "is named.",
+                        this->prm,
+                        List(Double(), 0, dim, ";"));
+    this->add_parameter("Points nearest to",
+                        positions,
+                        "Positions separated by ;, each a list of coordinates "
+                        "separated by commas. The particle that is nearest to "
+                        "a position at the start gets one share of the force; "
+                        "of equally near ones the one with the smallest x, "
+                        "then y (then z). Unit: m. Either this or <Region>.",
+                        this->prm,
+                        List(List(Double(), dim, dim, ","), 0, any, ";"));
+    this->add_parameter("Region",
+                        region,
+                        "A formula in x, y (and z), in m. The particles where "
+                        "it is positive at the start share the force equally. "
+                        "Either this or <Points nearest to>.");
+    amplitude.declare(*this);
+  }
+
+  template <int dim>
+  void
+  PointLoadParameters<dim>::validate() const
+  {
+    std::vector<std::string> components;
+    for (const double component : force)
+      components.push_back(shortest(component));
+    AssertThrow(force.size() == dim,
+                ExcParameter(this->path(),
+                             "Force",
+                             join(components, "; "),
+                             "it is required: " + std::to_string(dim) +
+                               " components in N, separated by ;, e.g. " +
+                               (dim == 2 ? "0; -500e3." : "0; 0; -500e3.")));
+    const bool has_region = !dealii::Utilities::trim(region).empty();
+    AssertThrow(!positions.empty() || has_region,
+                ExcParameter(this->path(),
+                             "Points nearest to",
+                             "",
+                             "the load needs particles that hold it. Give "
+                             "positions, e.g. " +
+                               std::string(dim == 2 ? "10, 0.5"
+                                                    : "10, 0.5, 0") +
+                               ", or <Region>."));
+    AssertThrow(positions.empty() || !has_region,
+                ExcParameter(this->path(),
+                             "Region",
+                             region,
+                             "<Points nearest to> is given too. Remove one of "
+                             "them."));
+  }
+
+  template <int dim>
+  void
+  PointLoadParameters<dim>::add_to(Effects<dim> &effects,
+                                   FieldLayout  &layout) const
+  {
+    validate();
+    const unsigned int share =
+      layout.add({"point_load_share",
+                  Field::Kind::scalar,
+                  "1",
+                  "part of the point load that the particle holds"});
+    dealii::Tensor<1, dim> F;
+    for (unsigned int d = 0; d < dim; ++d)
+      F[d] = force[d];
+    effects.loads.push_back(std::make_unique<PointLoad<dim>>(
+      F, share, Amplitude(amplitude, this->path())));
+    if (positions.empty())
+      effects.markers.push_back(
+        std::make_unique<ParticlesInside<dim>>(region, this->path(), share));
+    else
+      effects.markers.push_back(
+        std::make_unique<NearestParticles<dim>>(positions, share));
+  }
+
+  template class PointLoadParameters<2>;
+  template class PointLoadParameters<3>;
+} // namespace emmy
