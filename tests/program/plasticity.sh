@@ -13,7 +13,7 @@ cd "$work" || exit 2
 tiny_scene >base.prm
 sed -e 's/Hencky/von Mises/' -e "/Poisson/a set Yield stress = 2\\nset Hardening modulus = 5" \
   base.prm >plastic.prm
-moving='Bodies/block/Initial velocity=1.3*sin(3*x) + 0.8*y; 1.2*cos(2*y)'
+moving='Bodies/block/Initial velocity=0.9*(x - 1.5) + 0.5*y; 0.3*x - 0.9*(y - 1.5)'
 
 # ran NAME ARGUMENTS...: emmy succeeds
 ran()
