@@ -1,5 +1,6 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/material/stress_rules.h>
 #include <emmy/study/scene_parameters.h>
 
 #include <algorithm>
@@ -75,10 +76,13 @@ namespace emmy
                   Double());
     add_parameter("Stress rule",
                   stress_rule,
-                  "conserving: the stress of the mid-point that balances "
-                  "energy and angular momentum.",
+                  "The stress that acts during a step. conserving: balances "
+                  "energy. mid-point: that of the mid-point's deformation. "
+                  "trapezoidal: the mean of both ends. end-point: that of the "
+                  "end. All keep momenta; the ledger's stress_rule_loss is "
+                  "the energy that the last three lose, or make.",
                   prm,
-                  Selection("conserving"));
+                  Selection(stress_rule_names()));
     add_parameter("Wall mapping",
                   wall_mapping,
                   "constrained: fixed nodes have the velocity of the wall in "

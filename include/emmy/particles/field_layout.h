@@ -1,32 +1,13 @@
 #ifndef emmy_particles_field_layout_h
 #define emmy_particles_field_layout_h
 
+#include <emmy/base/field.h>
+
 #include <string>
 #include <vector>
 
 namespace emmy
 {
-  /** A quantity that each particle carries. */
-  struct Field
-  {
-    enum class Kind
-    {
-      scalar,
-      vector,           ///< dim components
-      symmetric_tensor, ///< n_mandel<dim> components in Mandel notation
-      tensor            ///< dim x dim components by rows; 33 is 1 in 2D
-    };
-
-    std::string name;
-    Kind        kind;
-    std::string unit;
-    std::string description;
-    /** Components of an undisturbed particle; empty: all zero. */
-    std::vector<double> initial      = {};
-    unsigned int        n_components = 0; ///< set by the layout
-    unsigned int        offset       = 0; ///< set by the layout
-  };
-
   /**
    * The fields of the particles of a scene: the union of what its effects ask
    * for, and nothing else. The values are the properties of deal.II's
