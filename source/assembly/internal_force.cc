@@ -1,7 +1,8 @@
 #include <deal.II/lac/full_matrix.h>
 
 #include <emmy/assembly/internal_force.h>
-#include <emmy/material/conserving_stress.h>
+
+#include <algorithm>
 
 namespace emmy
 {
@@ -9,12 +10,9 @@ namespace emmy
   {
     template <int dim>
     Field
-    left_cauchy_green_field()
+    deformation_field(const std::string &name, const std::string &description)
     {
-      Field      field{"left_cauchy_green",
-                  Field::Kind::symmetric_tensor,
-                  "1",
-                  "left Cauchy-Green tensor b = F F^T"};
+      Field      field{name, Field::Kind::symmetric_tensor, "1", description};
       const auto unit = mandel::unit<dim>();
       field.initial.assign(unit.begin_raw(), unit.end_raw());
       return field;
@@ -130,10 +128,14 @@ namespace emmy
   template <int dim>
   InternalForce<dim>::InternalForce(
     std::vector<const Material<dim> *> material_of_body,
-    FieldLayout                       &layout)
+    FieldLayout                       &layout,
+    const StressRule<dim>             &rule)
     : material_of_body(std::move(material_of_body))
+    , rule(rule)
     , reference_volume(layout["reference_volume"])
-    , left_cauchy_green(layout.add(left_cauchy_green_field<dim>()))
+    , left_cauchy_green(layout.add(
+        deformation_field<dim>("left_cauchy_green",
+                               "left Cauchy-Green tensor b = F F^T")))
     , kirchhoff_stress(layout.add({"kirchhoff_stress",
                                    Field::Kind::symmetric_tensor,
                                    "Pa",
@@ -145,7 +147,51 @@ namespace emmy
                     Field::Kind::scalar,
                     "J/m^3",
                     "stored elastic energy per undeformed volume"}))
+    , inelastic(add_inelastic_fields(this->material_of_body, layout))
   {}
+
+  template <int dim>
+  std::unique_ptr<const typename InternalForce<dim>::InelasticFields>
+  InternalForce<dim>::add_inelastic_fields(
+    const std::vector<const Material<dim> *> &material_of_body,
+    FieldLayout                              &layout)
+  {
+    std::vector<std::vector<Field>> histories;
+    for (const Material<dim> *material : material_of_body)
+      histories.push_back(material->history());
+    if (std::all_of(histories.begin(), histories.end(), [](const auto &fields) {
+          return fields.empty();
+        }))
+      return nullptr;
+
+    auto result = std::make_unique<InelasticFields>();
+    result->elastic_left_cauchy_green =
+      layout.add(deformation_field<dim>("elastic_left_cauchy_green",
+                                        "elastic left Cauchy-Green tensor; "
+                                        "that of the stress"));
+    for (const std::vector<Field> &fields : histories)
+      {
+        result->history.emplace_back();
+        for (const Field &field : fields)
+          {
+            Assert(field.kind == Field::Kind::scalar,
+                   dealii::ExcMessage("A material's history is scalar."));
+            result->history.back().push_back(layout.add(field));
+          }
+      }
+    result->hardening_energy_density =
+      layout.add({"hardening_energy_density",
+                  Field::Kind::scalar,
+                  "J/m^3",
+                  "energy stored by hardening, per undeformed volume"});
+    result->plastic_dissipation_density =
+      layout.add({"plastic_dissipation_density",
+                  Field::Kind::scalar,
+                  "J/m^3",
+                  "energy dissipated by plastic flow so far, per undeformed "
+                  "volume"});
+    return result;
+  }
 
   template <int dim>
   std::string
@@ -176,19 +222,9 @@ namespace emmy
         for (unsigned int first = 0; first < group.n_points;
              first += max_batch_points)
           {
-            const std::size_t point = group.first_point + first;
-            batch->n_points =
-              std::min(max_batch_points, group.n_points - first);
-            displacement_gradients(step.stencils,
-                                   group,
-                                   first,
-                                   iterate.local_displacement.data(),
-                                   nodes,
-                                   *batch);
-            read_states(step, point, *batch);
-
+            const std::size_t  point = group.first_point + first;
             const unsigned int inverted =
-              conserving_stress(*material_of_body[group.body], *batch);
+              evaluate(step, group, first, iterate.local_displacement, *batch);
             if (inverted < batch->n_points)
               {
                 problem =
@@ -197,6 +233,9 @@ namespace emmy
               }
 
             write_states(*batch, point, iterate.trial);
+            if (inelastic)
+              write_inelastic_states(
+                step, *batch, group.body, point, iterate.trial);
             add_forces(step.stencils,
                        group,
                        first,
@@ -229,6 +268,28 @@ namespace emmy
   }
 
   template <int dim>
+  unsigned int
+  InternalForce<dim>::evaluate(const StepData<dim>       &step,
+                               const Group               &group,
+                               const unsigned int         first,
+                               const std::vector<double> &local_displacement,
+                               StressBatch<dim>          &batch) const
+  {
+    const std::size_t point = group.first_point + first;
+    batch.n_points = std::min(max_batch_points, group.n_points - first);
+    displacement_gradients(step.stencils,
+                           group,
+                           first,
+                           local_displacement.data(),
+                           step.start.active->nodes(group),
+                           batch);
+    read_states(step, point, batch);
+    if (inelastic)
+      read_inelastic_states(step, group.body, point, batch);
+    return rule.evaluate(*material_of_body[group.body], batch);
+  }
+
+  template <int dim>
   void
   InternalForce<dim>::read_states(const StepData<dim> &step,
                                   const std::size_t    first,
@@ -248,15 +309,43 @@ namespace emmy
 
   template <int dim>
   void
+  InternalForce<dim>::read_inelastic_states(const StepData<dim> &step,
+                                            const unsigned int   body,
+                                            const std::size_t    first,
+                                            StressBatch<dim>    &batch) const
+  {
+    const std::vector<unsigned int> &history = inelastic->history[body];
+
+    batch.is_inelastic = !history.empty();
+    batch.material.history.resize(history.size());
+    if (!batch.is_inelastic)
+      return;
+    const double *hardening =
+      step.points.component(inelastic->hardening_energy_density) + first;
+    for (unsigned int q = 0; q < batch.n_points; ++q)
+      {
+        batch.elastic_left_cauchy_green_old[q] =
+          step.points.template get<n_mandel<dim>>(
+            inelastic->elastic_left_cauchy_green, first + q);
+        batch.hardening_energy_old[q] = hardening[q];
+      }
+    for (unsigned int h = 0; h < history.size(); ++h)
+      std::copy_n(step.points.component(history[h]) + first,
+                  batch.n_points,
+                  batch.material.history[h].begin());
+  }
+
+  template <int dim>
+  void
   InternalForce<dim>::write_states(const StressBatch<dim> &batch,
                                    const std::size_t       first,
                                    PointArrays<dim>       &trial) const
   {
+    const auto &b = batch.is_inelastic ? batch.left_cauchy_green
+                                       : batch.material.left_cauchy_green;
     for (unsigned int q = 0; q < batch.n_points; ++q)
       {
-        trial.set(left_cauchy_green,
-                  first + q,
-                  batch.material.left_cauchy_green[q]);
+        trial.set(left_cauchy_green, first + q, b[q]);
         trial.set(kirchhoff_stress,
                   first + q,
                   batch.material.kirchhoff_stress[q]);
@@ -266,17 +355,89 @@ namespace emmy
   }
 
   template <int dim>
+  void
+  InternalForce<dim>::write_inelastic_states(const StepData<dim>    &step,
+                                             const StressBatch<dim> &batch,
+                                             const unsigned int      body,
+                                             const std::size_t       first,
+                                             PointArrays<dim> &trial) const
+  {
+    for (unsigned int q = 0; q < batch.n_points; ++q)
+      trial.set(inelastic->elastic_left_cauchy_green,
+                first + q,
+                batch.material.left_cauchy_green[q]);
+    if (!batch.is_inelastic)
+      return; // nothing else ever changes in an elastic body
+    const std::vector<unsigned int> &history = inelastic->history[body];
+    for (unsigned int h = 0; h < history.size(); ++h)
+      std::copy_n(batch.material.history[h].begin(),
+                  batch.n_points,
+                  trial.component(history[h]) + first);
+    const unsigned int dissipation = inelastic->plastic_dissipation_density;
+    for (unsigned int q = 0; q < batch.n_points; ++q)
+      {
+        trial.component(inelastic->hardening_energy_density)[first + q] =
+          batch.material.hardening_energy[q];
+        trial.component(dissipation)[first + q] =
+          step.points.component(dissipation)[first + q] +
+          batch.material.dissipation[q];
+      }
+  }
+
+  template <int dim>
+  double
+  InternalForce<dim>::work(const StepData<dim> &step,
+                           const Vector        &displacement) const
+  {
+    const auto    local  = step.start.active->to_local(displacement);
+    const double *volume = step.points.component(reference_volume);
+    const auto    batch  = std::make_unique<StressBatch<dim>>();
+    batch->with_tangent  = false;
+    double result        = 0.;
+    for (const Group &group : step.stencils.groups)
+      for (unsigned int first = 0; first < group.n_points;
+           first += max_batch_points)
+        {
+          evaluate(step, group, first, local, *batch);
+          for (unsigned int q = 0; q < batch->n_points; ++q)
+            result += volume[group.first_point + first + q] *
+                      scalar_product(batch->nominal_stress[q],
+                                     batch->displacement_gradient[q]);
+        }
+    return result;
+  }
+
+  template <int dim>
   std::vector<EnergyEntry>
-  InternalForce<dim>::energies(const StepData<dim> &step,
-                               const Vector &,
+  InternalForce<dim>::energies(const StepData<dim>    &step,
+                               const Vector           &displacement,
                                const PointArrays<dim> &accepted) const
   {
+    const double *volume = step.points.component(reference_volume);
+    // of this rank, J, from densities
+    const auto change_of = [&](const unsigned int density) {
+      const double *old_density = step.points.component(density);
+      const double *new_density = accepted.component(density);
+      double        change      = 0.;
+      for (std::size_t p = 0; p < accepted.n_points(); ++p)
+        change += volume[p] * (new_density[p] - old_density[p]);
+      return change;
+    };
+
     std::vector<EnergyEntry> entries = energy_entries();
-    const double            *volume  = step.points.component(reference_volume);
-    const double *psi_old = step.points.component(strain_energy_density);
-    const double *psi_new = accepted.component(strain_energy_density);
-    for (std::size_t p = 0; p < accepted.n_points(); ++p)
-      entries[0].change += volume[p] * (psi_new[p] - psi_old[p]);
+    entries[0].change                = change_of(strain_energy_density);
+    if (inelastic)
+      {
+        entries[1].change = change_of(inelastic->hardening_energy_density);
+        entries[2].change = change_of(inelastic->plastic_dissipation_density);
+      }
+    if (!rule.is_conserving)
+      {
+        double known = 0.;
+        for (const EnergyEntry &entry : entries)
+          known += entry.change;
+        entries.back().change = work(step, displacement) - known;
+      }
     return entries;
   }
 
@@ -284,7 +445,16 @@ namespace emmy
   std::vector<EnergyEntry>
   InternalForce<dim>::energy_entries() const
   {
-    return {{"strain_energy", EnergyEntry::Kind::stored, 0.}};
+    using Kind = EnergyEntry::Kind;
+    std::vector<EnergyEntry> entries{{"strain_energy", Kind::stored, 0.}};
+    if (inelastic)
+      {
+        entries.push_back({"hardening_energy", Kind::stored, 0.});
+        entries.push_back({"plastic_dissipation", Kind::dissipated, 0.});
+      }
+    if (!rule.is_conserving)
+      entries.push_back({"stress_rule_loss", Kind::dissipated, 0.});
+    return entries;
   }
 
   template class InternalForce<2>;

@@ -1,5 +1,5 @@
 #include <emmy/material/hencky.h>
-#include <emmy/math/spectral.h>
+#include <emmy/material/principal_axes.h>
 
 namespace emmy
 {
@@ -106,52 +106,21 @@ namespace emmy
   void
   Hencky<dim>::evaluate(MaterialBatch<dim> &batch) const
   {
-    constexpr auto normal = mandel::normal_components<dim>();
-    constexpr auto ij     = mandel::pairs<dim>();
-    const double   K = bulk_modulus, G = shear_modulus;
-
+    const double K = bulk_modulus, G = shear_modulus;
     for (unsigned int p = 0; p < batch.n_points; ++p)
       {
-        // everything in the principal frame of b, then rotated
-        const auto b = spectral_decomposition<dim>(batch.left_cauchy_green[p]);
-        const auto Q = mandel::congruence<dim>(b.vectors);
+        const auto e = principal_strain<dim>(batch.left_cauchy_green[p]);
 
-        std::array<double, 3> log_b, tau;
+        std::array<double, 3> tau;
         for (unsigned int i = 0; i < 3; ++i)
-          log_b[i] = std::log(b.values[i]);
-        const double trace = 0.5 * (log_b[0] + log_b[1] + log_b[2]);
-
-        double            deviator_squared = 0.;
-        MandelVector<dim> tau_principal;
-        for (unsigned int i = 0; i < 3; ++i)
-          {
-            const double deviator = 0.5 * log_b[i] - trace / 3.;
-            deviator_squared += deviator * deviator;
-            tau[i]                   = K * trace + 2. * G * deviator;
-            tau_principal[normal[i]] = tau[i];
-          }
-        batch.stored_energy[p] = 0.5 * K * trace * trace + G * deviator_squared;
-        batch.kirchhoff_stress[p] = Q * tau_principal;
-
-        if (!batch.with_tangent)
-          continue;
-        MandelMatrix<dim> c;
-        for (unsigned int i = 0; i < 3; ++i)
-          {
-            for (unsigned int j = 0; j < 3; ++j)
-              c[normal[i]][normal[j]] = K - 2. / 3. * G;
-            c[normal[i]][normal[i]] += 2. * G - 2. * tau[i];
-          }
-        for (unsigned int a = dim; a < n_in_plane<dim>; ++a)
-          {
-            const unsigned int i = ij[a][0], j = ij[a][1];
-            c[a][a] = 2. * G *
-                        logarithm_quotient(b.values[i],
-                                           b.values[j],
-                                           log_b[i] - log_b[j]) -
-                      (tau[i] + tau[j]);
-          }
-        batch.spatial_tangent[p] = mandel::transform<dim>(Q, c);
+          tau[i] = K * e.trace + 2. * G * e.deviator[i];
+        batch.kirchhoff_stress[p] = from_principal<dim>(e.rotation, tau);
+        batch.stored_energy[p] =
+          0.5 * K * e.trace * e.trace + G * e.deviator_squared;
+        if (batch.with_tangent)
+          batch.spatial_tangent[p] =
+            mandel::transform<dim>(e.rotation,
+                                   principal_tangent<dim>(e, tau, K, G));
       }
   }
 

@@ -1,4 +1,5 @@
 #include <emmy/material/hencky.h>
+#include <emmy/material/von_mises.h>
 
 namespace emmy
 {
@@ -23,6 +24,12 @@ namespace emmy
                      "isotropic elasticity, quadratic in logarithmic strain",
                      [](const std::string &section) {
                        return std::make_unique<HenckyParameters<dim>>(section);
+                     }});
+      materials.add({"von Mises",
+                     "Hencky elasticity with plastic flow and hardening",
+                     [](const std::string &section) {
+                       return std::make_unique<VonMisesParameters<dim>>(
+                         section);
                      }});
       return materials;
     }();

@@ -82,8 +82,10 @@ namespace emmy
     {
       Effects<dim> effects;
       effects.terms.push_back(std::make_unique<Inertia<dim>>());
-      effects.terms.push_back(
-        std::make_unique<InternalForce<dim>>(material_of_body, layout));
+      effects.terms.push_back(std::make_unique<InternalForce<dim>>(
+        material_of_body,
+        layout,
+        stress_rule<dim>(parameters.method.stress_rule)));
       for (const std::string &name : parameters.effect_names.names)
         parameters.effects.at(name)->add_to(effects, layout);
       return effects;

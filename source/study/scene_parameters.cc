@@ -1,5 +1,6 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/material/stress_rules.h>
 #include <emmy/study/scene_parameters.h>
 
 #include <algorithm>
@@ -55,10 +56,13 @@ namespace emmy
                   Double(0., 0.));
     add_parameter("Stress rule",
                   stress_rule,
-                  "conserving: the stress of the mid-point that balances "
-                  "energy and angular momentum.",
+                  "The stress that acts during a step. conserving: balances "
+                  "energy. mid-point: that of the mid-point's deformation. "
+                  "trapezoidal: the mean of both ends. end-point: that of the "
+                  "end. All keep momenta; the ledger's stress_rule_loss is "
+                  "the energy that the last three lose, or make.",
                   prm,
-                  Selection("conserving"));
+                  Selection(stress_rule_names()));
     add_parameter("Wall mapping",
                   wall_mapping,
                   "constrained: fixed nodes have no velocity in the "

@@ -127,6 +127,28 @@ for ratio in 0.5 -1; do
     "<Materials/rubber/Poisson's ratio> is <$ratio>|between -1 and 0.5, both excluded|use 0.49" \
     "Materials/rubber/Poisson's ratio=$ratio"
 done
+sed -e 's/Hencky/von Mises/' -e '/Poisson/a set Yield stress = 10' base.prm >plastic.prm
+refused 'missing yield stress' '<Materials/rubber/Yield stress> is <0>|required|positive (Pa)' \
+  base.prm --set 'Materials/rubber/Model=von Mises'
+for stress in 0 -2; do
+  refused "yield stress $stress" \
+    "<Materials/rubber/Yield stress> is <$stress>|must be positive (Pa)|use Model = Hencky" \
+    plastic.prm --set "Materials/rubber/Yield stress=$stress"
+done
+refused 'negative hardening' \
+  '<Materials/rubber/Hardening modulus> is <-1>|must not be negative (Pa)|Use 0' \
+  plastic.prm --set 'Materials/rubber/Hardening modulus=-1'
+refused 'deviatoric with hardening' \
+  '<Materials/rubber/Hardening modulus> is <1>|must be 0 with Yield measure = deviatoric|use Yield measure = uniaxial' \
+  plastic.prm --set 'Materials/rubber/Hardening modulus=1' \
+  --set 'Materials/rubber/Yield measure=deviatoric'
+refused 'unknown yield measure' \
+  '<Materials/rubber/Yield measure> is <radial>|one of uniaxial, deviatoric' \
+  plastic.prm --set 'Materials/rubber/Yield measure=radial'
+refused 'unknown stress rule' \
+  '<Method/Stress rule> is <midpoint>|one of conserving, mid-point, trapezoidal, end-point' \
+  base.prm --set 'Method/Stress rule=midpoint'
+rm plastic.prm
 without 'Upper corner'
 refused 'missing Upper corner' \
   '<Grid/Upper corner>|must lie above the lower corner|in m' less.prm

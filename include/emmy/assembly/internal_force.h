@@ -2,15 +2,20 @@
 #define emmy_assembly_internal_force_h
 
 #include <emmy/assembly/force_term.h>
-#include <emmy/material/conserving_stress.h>
+#include <emmy/material/stress_rules.h>
 
 namespace emmy
 {
   /**
-   * Internal force f_A = sum V0_p P_p grad S_Ap with the conserving stress P
-   * relative to the configuration at t (Pretti et al. 2023, eq. 44; the
-   * gradients are those at the start of the step). Newton's cost is here: one
-   * material call per batch of points, one small matrix per group of points.
+   * Internal force f_A = sum V0_p P_p grad S_Ap with the nominal stress P of a
+   * stress rule, relative to the configuration at t (Pretti et al. 2023, eq.
+   * 44; the gradients are those at the start of the step). Newton's cost is
+   * here: one material call per batch of points, one small matrix per group of
+   * points.
+   *
+   * Particles carry b, tau and the elastic energy; where a material of the
+   * scene has history also b^e, the history, the energy stored by hardening
+   * and the dissipation so far.
    */
   template <int dim>
   class InternalForce : public ForceTerm<dim>
@@ -18,10 +23,12 @@ namespace emmy
   public:
     /**
      * @param material_of_body borrowed; one per body
-     * @param layout           asked for b, tau and psi of each particle
+     * @param layout           asked for the fields of the particles' state
+     * @param rule             what stress acts during a step
      */
     InternalForce(std::vector<const Material<dim> *> material_of_body,
-                  FieldLayout                       &layout);
+                  FieldLayout                       &layout,
+                  const StressRule<dim> &rule = stress_rule<dim>("conserving"));
 
     std::string
     add(const StepData<dim> &step,
@@ -29,7 +36,11 @@ namespace emmy
         Vector              &force,
         Matrix              *jacobian) const override;
 
-    /** strain_energy. */
+    /**
+     * strain_energy; with inelastic materials hardening_energy and
+     * plastic_dissipation; stress_rule_loss of a rule that does not conserve:
+     * the work of the force that none of these shows.
+     */
     std::vector<EnergyEntry>
     energies(const StepData<dim>    &step,
              const Vector           &displacement,
@@ -38,21 +49,67 @@ namespace emmy
     energy_entries() const override;
 
   private:
+    using Group = typename Stencils<dim>::Group;
+
+    /** First components of the fields that only inelastic scenes have. */
+    struct InelasticFields
+    {
+      unsigned int elastic_left_cauchy_green, hardening_energy_density,
+        plastic_dissipation_density;
+      /** Per body: of its material's history. */
+      std::vector<std::vector<unsigned int>> history;
+    };
+
+    /** Ask for these fields; null if no material has history. */
+    static std::unique_ptr<const InelasticFields>
+    add_inelastic_fields(
+      const std::vector<const Material<dim> *> &material_of_body,
+      FieldLayout                              &layout);
+
+    /**
+     * The stress of up to max_batch_points points of a group, from point
+     * @p first of the group on, for a displacement at the local nodes.
+     * @return what the stress rule returns
+     */
+    unsigned int
+    evaluate(const StepData<dim>       &step,
+             const Group               &group,
+             const unsigned int         first,
+             const std::vector<double> &local_displacement,
+             StressBatch<dim>          &batch) const;
+
     /** States at t of the batch that starts at point @p first. */
     void
     read_states(const StepData<dim> &step,
                 const std::size_t    first,
                 StressBatch<dim>    &batch) const;
+    void
+    read_inelastic_states(const StepData<dim> &step,
+                          const unsigned int   body,
+                          const std::size_t    first,
+                          StressBatch<dim>    &batch) const;
 
     /** States at t + dt of that batch. */
     void
     write_states(const StressBatch<dim> &batch,
                  const std::size_t       first,
                  PointArrays<dim>       &trial) const;
+    void
+    write_inelastic_states(const StepData<dim>    &step,
+                           const StressBatch<dim> &batch,
+                           const unsigned int      body,
+                           const std::size_t       first,
+                           PointArrays<dim>       &trial) const;
+
+    /** Work f.u of the force of this rank's points, J. Collective. */
+    double
+    work(const StepData<dim> &step, const Vector &displacement) const;
 
     const std::vector<const Material<dim> *> material_of_body;
+    const StressRule<dim>                    rule;
     const unsigned int reference_volume, left_cauchy_green, kirchhoff_stress,
       strain_energy_density;
+    const std::unique_ptr<const InelasticFields> inelastic; // none if elastic
   };
 } // namespace emmy
 

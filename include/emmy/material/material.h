@@ -1,13 +1,14 @@
 #ifndef emmy_material_material_h
 #define emmy_material_material_h
 
-#include <emmy/base/section.h>
-
+#include <emmy/base/field.h>
 #include <emmy/base/library.h>
+#include <emmy/base/section.h>
 #include <emmy/math/mandel.h>
 
 #include <array>
 #include <memory>
+#include <vector>
 
 namespace emmy
 {
@@ -24,15 +25,26 @@ namespace emmy
     unsigned int n_points     = 0;
     bool         with_tangent = true;
 
-    // in
-    /** Trial elastic left Cauchy-Green tensor, Delta F b^e_t Delta F^T. */
+    // in and out
+    /**
+     * Elastic left Cauchy-Green tensor. In: of the trial, Delta F b^e_t
+     * Delta F^T. Out: after the flow of this step. A material without history
+     * leaves it.
+     */
     PerPoint<MandelVector<dim>> left_cauchy_green;
+    /** One array per field of Material::history(). In: at t. Out: at t+dt. */
+    std::vector<PerPoint<double>> history;
 
     // out
     /** Kirchhoff stress tau, Pa per unit reference volume. */
     PerPoint<MandelVector<dim>> kirchhoff_stress;
-    /** Stored energy psi, J per unit reference volume. */
+    /** Stored elastic energy, J per unit reference volume. */
     PerPoint<double> stored_energy;
+    /**
+     * Energy stored by hardening at t+dt, and dissipation of this step, J per
+     * unit reference volume. Written and read only for materials with history.
+     */
+    PerPoint<double> hardening_energy, dissipation;
     /**
      * Spatial tangent c of the Lie derivative, L_v tau = c : d, Pa: that is
      * c = d tau / d(strain increment) - (tau d + d tau). Only if
@@ -45,12 +57,30 @@ namespace emmy
    * An isotropic material. Owned by the scene; the internal force calls it
    * once per batch and Newton iteration. It has no state: what a point
    * remembers is in the particle fields.
+   *
+   * A material with history is inelastic: besides stress and energies it
+   * returns the elastic deformation after flow, its history, and what it
+   * dissipated. The tangent of the conserving stress needs
+   * d(psi + dissipation)/d(trial strain) = tau, with psi the elastic and the
+   * hardening energy. This holds for elasticity, and for flow that is
+   * associative and maximises the dissipation.
    */
   template <int dim>
   class Material
   {
   public:
     virtual ~Material() = default;
+
+    /**
+     * What a point remembers beyond its deformation, stress and energies;
+     * scalars. None: the material is elastic, and all else in this interface
+     * that is about history does not concern it.
+     */
+    virtual std::vector<Field>
+    history() const
+    {
+      return {};
+    }
 
     /** Fill the out fields of the batch from its in fields. */
     virtual void

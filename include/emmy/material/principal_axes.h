@@ -1,0 +1,98 @@
+#ifndef emmy_material_principal_axes_h
+#define emmy_material_principal_axes_h
+
+#include <emmy/math/spectral.h>
+
+namespace emmy
+{
+  /**
+   * The logarithmic strain e = 1/2 ln b of a point in the principal axes of
+   * b, where isotropic laws are a matter of three numbers. In the kernels of
+   * the materials only.
+   */
+  template <int dim>
+  struct PrincipalStrain
+  {
+    SpectralDecomposition<dim> b;
+    /** Turns tensors from the principal axes to those of the scene. */
+    MandelMatrix<dim>     rotation;
+    std::array<double, 3> log_b;            ///< logarithms of b.values
+    std::array<double, 3> deviator;         ///< dev e
+    double                trace;            ///< tr e
+    double                deviator_squared; ///< |dev e|^2
+  };
+
+  /** Cost: one spectral decomposition and three logarithms. */
+  template <int dim>
+  inline PrincipalStrain<dim>
+  principal_strain(const MandelVector<dim> &left_cauchy_green)
+  {
+    PrincipalStrain<dim> e;
+    e.b        = spectral_decomposition<dim>(left_cauchy_green);
+    e.rotation = mandel::congruence<dim>(e.b.vectors);
+    for (unsigned int i = 0; i < 3; ++i)
+      e.log_b[i] = std::log(e.b.values[i]);
+    e.trace = 0.5 * (e.log_b[0] + e.log_b[1] + e.log_b[2]);
+
+    e.deviator_squared = 0.;
+    for (unsigned int i = 0; i < 3; ++i)
+      {
+        e.deviator[i] = 0.5 * e.log_b[i] - e.trace / 3.;
+        e.deviator_squared += e.deviator[i] * e.deviator[i];
+      }
+    return e;
+  }
+
+  /** A tensor with these values along the principal axes. */
+  template <int dim>
+  inline MandelVector<dim>
+  from_principal(const MandelMatrix<dim>     &rotation,
+                 const std::array<double, 3> &values)
+  {
+    constexpr auto    normal = mandel::normal_components<dim>();
+    MandelVector<dim> principal;
+    for (unsigned int i = 0; i < 3; ++i)
+      principal[normal[i]] = values[i];
+    return rotation * principal;
+  }
+
+  /**
+   * Spatial tangent, in the principal axes, of a stress that follows the
+   * strain with the moduli K and G:
+   * normal components K - 2/3 G + (2 G - 2 tau_i) delta_ij, shear components
+   * (b_i + b_j)(tau_i - tau_j)/(b_i - b_j) - (tau_i + tau_j), with
+   * tau_i - tau_j = 2 G (e_i - e_j) (Pretti et al. 2023, A.32).
+   *
+   * @param tau principal Kirchhoff stresses, Pa
+   * @param K,G bulk and shear modulus, Pa
+   */
+  template <int dim>
+  inline MandelMatrix<dim>
+  principal_tangent(const PrincipalStrain<dim>  &e,
+                    const std::array<double, 3> &tau,
+                    const double                 K,
+                    const double                 G)
+  {
+    constexpr auto    normal = mandel::normal_components<dim>();
+    constexpr auto    ij     = mandel::pairs<dim>();
+    MandelMatrix<dim> c;
+    for (unsigned int i = 0; i < 3; ++i)
+      {
+        for (unsigned int j = 0; j < 3; ++j)
+          c[normal[i]][normal[j]] = K - 2. / 3. * G;
+        c[normal[i]][normal[i]] += 2. * G - 2. * tau[i];
+      }
+    for (unsigned int a = dim; a < n_in_plane<dim>; ++a)
+      {
+        const unsigned int i = ij[a][0], j = ij[a][1];
+        c[a][a] = 2. * G *
+                    logarithm_quotient(e.b.values[i],
+                                       e.b.values[j],
+                                       e.log_b[i] - e.log_b[j]) -
+                  (tau[i] + tau[j]);
+      }
+    return c;
+  }
+} // namespace emmy
+
+#endif

@@ -1,0 +1,75 @@
+#ifndef emmy_material_von_mises_h
+#define emmy_material_von_mises_h
+
+#include <emmy/material/hencky.h>
+
+namespace emmy
+{
+  /**
+   * Where the deviator s of the Kirchhoff stress starts to flow:
+   * |s| = radius + sqrt(2/3) H xi.
+   */
+  struct YieldSurface
+  {
+    double radius            = 0.; // Pa
+    double hardening_modulus = 0.; // H, uniaxial, Pa
+  };
+
+  /**
+   * Hencky elasticity with von Mises plasticity and linear isotropic
+   * hardening (Simo 1992; Pretti et al. 2023, eqs 62, 63). The energy is
+   * psi = K/2 tr(e)^2 + G |dev e|^2 + H/2 xi^2 of the elastic logarithmic
+   * strain e and the equivalent plastic strain xi. Beyond the yield surface
+   * the deviator returns radially: with the trial s, n = s/|s|,
+   * @f[ \Delta\lambda = \frac{|s| - R(\xi_t)}{2G + \tfrac23 H},\quad
+   *     e = e_{trial} - \Delta\lambda\,n,\quad
+   *     \xi = \xi_t + \sqrt{2/3}\,\Delta\lambda . @f]
+   * The step dissipates radius Delta lambda; the rest of the plastic work,
+   * H xi dxi, is stored.
+   *
+   * Cost per point: that of Hencky, and where it flows three exponentials.
+   */
+  template <int dim>
+  class VonMises : public Material<dim>
+  {
+  public:
+    /** @param constants completed elastic constants. */
+    VonMises(const ElasticConstants &constants, const YieldSurface &surface);
+
+    /** equivalent_plastic_strain, xi. */
+    std::vector<Field>
+    history() const override;
+
+    void
+    evaluate(MaterialBatch<dim> &batch) const override;
+
+    double
+    density() const override;
+
+    double
+    p_wave_modulus() const override;
+
+  private:
+    const ElasticConstants constants;
+    const YieldSurface     surface;
+  };
+
+  /** Parameters of VonMises. */
+  template <int dim>
+  class VonMisesParameters : public MaterialParameters<dim>
+  {
+  public:
+    explicit VonMisesParameters(const std::string &section);
+
+    std::unique_ptr<Material<dim>>
+    make() const override;
+
+  private:
+    ElasticConstants constants;
+    double           yield_stress      = 0.; // Pa; 0 = not given
+    double           hardening_modulus = 0.; // Pa
+    std::string      yield_measure     = "uniaxial";
+  };
+} // namespace emmy
+
+#endif

@@ -1,0 +1,293 @@
+#include <emmy/base/exceptions.h>
+#include <emmy/material/stress_rules.h>
+#include <emmy/math/kinematics.h>
+
+namespace emmy
+{
+  namespace
+  {
+    /** Below this ratio |C - C_t| / |C_t| the energy correction is dropped. */
+    constexpr double smallest_increment = 1e-8;
+
+    /**
+     * dP/dH from S and a matrix C with dS = C : sym(F^T dH):
+     * P_iJ = Fm_iM S_MJ, so that
+     * dP_iJ/dH_mL = 1/2 delta_im S_JL + Fm_iM C_MJKL F_mK.
+     * For an S that depends on Delta C alone, F = Delta F and
+     * C = 2 dS/d(Delta C).
+     */
+    template <int dim>
+    dealii::Tensor<2, dim * dim>
+    nominal_tangent(const dealii::Tensor<2, dim> &Fm,
+                    const dealii::Tensor<2, dim> &F,
+                    const MandelVector<dim>      &S,
+                    const MandelMatrix<dim>      &C)
+    {
+      constexpr auto         ij = mandel::pairs<dim>();
+      constexpr unsigned int m  = n_in_plane<dim>;
+
+      // G maps a symmetric tensor X to (F X)_iJ, for F = Fm and F
+      const auto left_product = [&ij](const dealii::Tensor<2, dim> &F) {
+        std::array<std::array<double, m>, dim * dim> G{};
+        for (unsigned int a = 0; a < m; ++a)
+          for (unsigned int i = 0; i < dim; ++i)
+            {
+              const unsigned int M = ij[a][0], J = ij[a][1];
+              if (a < dim)
+                G[i * dim + J][a] = F[i][M];
+              else
+                {
+                  G[i * dim + J][a] = F[i][M] / mandel::sqrt2;
+                  G[i * dim + M][a] = F[i][J] / mandel::sqrt2;
+                }
+            }
+        return G;
+      };
+      const auto row    = left_product(Fm);
+      const auto column = left_product(F);
+
+      dealii::Tensor<2, dim * dim> result;
+      for (unsigned int r = 0; r < dim * dim; ++r)
+        {
+          std::array<double, m> row_C{};
+          for (unsigned int a = 0; a < m; ++a)
+            for (unsigned int b = 0; b < m; ++b)
+              row_C[b] += row[r][a] * C[a][b];
+          for (unsigned int c = 0; c < dim * dim; ++c)
+            {
+              double sum = 0.;
+              for (unsigned int b = 0; b < m; ++b)
+                sum += row_C[b] * column[c][b];
+              result[r][c] = sum;
+            }
+        }
+      const auto S_block = mandel::block<dim>(S);
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int J = 0; J < dim; ++J)
+          for (unsigned int L = 0; L < dim; ++L)
+            result[i * dim + J][i * dim + L] += 0.5 * S_block[J][L];
+      return result;
+    }
+    template <int dim>
+    using Steps = std::array<StepKinematics<dim>, max_batch_points>;
+
+    /**
+     * What all rules share: kinematics, and the material's state at the end.
+     * @return index of the first inverted point, n_points if there is none.
+     */
+    template <int dim>
+    unsigned int
+    evaluate_end(const Material<dim> &material,
+                 StressBatch<dim>    &batch,
+                 Steps<dim>          &steps)
+    {
+      const auto &elastic_old     = batch.is_inelastic
+                                      ? batch.elastic_left_cauchy_green_old
+                                      : batch.left_cauchy_green_old;
+      batch.material.n_points     = batch.n_points;
+      batch.material.with_tangent = batch.with_tangent;
+      for (unsigned int p = 0; p < batch.n_points; ++p)
+        {
+          steps[p] = step_kinematics<dim>(batch.displacement_gradient[p]);
+          // also catches NaN
+          if (!(dealii::determinant(steps[p].increment) > 0.))
+            return p;
+          batch.material.left_cauchy_green[p] =
+            mandel::congruence<dim>(steps[p].increment) * elastic_old[p];
+        }
+      if (batch.is_inelastic)
+        for (unsigned int p = 0; p < batch.n_points; ++p)
+          batch.left_cauchy_green[p] =
+            mandel::congruence<dim>(steps[p].increment) *
+            batch.left_cauchy_green_old[p];
+
+      material.evaluate(batch.material);
+      return batch.n_points;
+    }
+
+    /** Change of psi plus dissipation of each point, J/m^3. */
+    template <int dim>
+    typename StressBatch<dim>::template PerPoint<double>
+    energy_changes(const StressBatch<dim> &batch)
+    {
+      typename StressBatch<dim>::template PerPoint<double> change;
+      for (unsigned int p = 0; p < batch.n_points; ++p)
+        change[p] =
+          batch.material.stored_energy[p] - batch.stored_energy_old[p];
+      if (batch.is_inelastic)
+        for (unsigned int p = 0; p < batch.n_points; ++p)
+          change[p] += batch.material.hardening_energy[p] -
+                       batch.hardening_energy_old[p] +
+                       batch.material.dissipation[p];
+      return change;
+    }
+
+    template <int dim>
+    unsigned int
+    conserving(const Material<dim> &material, StressBatch<dim> &batch)
+    {
+      Steps<dim>         steps;
+      const unsigned int inverted = evaluate_end(material, batch, steps);
+      if (inverted < batch.n_points)
+        return inverted;
+      const auto energy_change = energy_changes(batch);
+
+      for (unsigned int p = 0; p < batch.n_points; ++p)
+        {
+          const auto &step = steps[p];
+          const auto &A    = step.metric_change;
+          const auto b_old = mandel::block<dim>(batch.left_cauchy_green_old[p]);
+          const auto Q     = mandel::congruence<dim>(step.increment_inverse);
+          const auto Q_b   = mandel::congruence<dim>(b_old);
+
+          const MandelVector<dim> S1 = Q * batch.material.kirchhoff_stress[p];
+          const MandelVector<dim> S_average =
+            0.5 * (batch.kirchhoff_stress_old[p] + S1);
+          const MandelVector<dim> B  = Q_b * A;
+          const double            nu = A * B; // |C - C_t|^2
+
+          // |C_t|^2 = b_t : b_t
+          const bool is_corrected =
+            nu > smallest_increment * smallest_increment *
+                   batch.left_cauchy_green_old[p].norm_square();
+          const double correction =
+            is_corrected ? (2. * energy_change[p] - S_average * A) / nu : 0.;
+
+          const MandelVector<dim> S = S_average + correction * B;
+          batch.nominal_stress[p] = step.increment_mid * mandel::block<dim>(S);
+
+          if (!batch.with_tangent)
+            continue;
+          const MandelMatrix<dim> dS1 =
+            0.5 * mandel::transform<dim>(Q, batch.material.spatial_tangent[p]);
+          MandelMatrix<dim> dS = 0.5 * dS1;
+          if (is_corrected)
+            {
+              // d(psi + dissipation)/dC = S1/2
+              const MandelVector<dim> gradient =
+                (S1 - S_average - 0.5 * (A * dS1) - (2. * correction) * B) / nu;
+              dS += correction * Q_b + outer_product(B, gradient);
+            }
+          batch.tangent[p] = nominal_tangent<dim>(step.increment_mid,
+                                                  step.increment,
+                                                  S,
+                                                  2. * dS);
+        }
+      return batch.n_points;
+    }
+
+    /** S = (1 - weight) tau_t + weight S1. */
+    template <int dim>
+    unsigned int
+    weighted(const double         weight,
+             const Material<dim> &material,
+             StressBatch<dim>    &batch)
+    {
+      Steps<dim>         steps;
+      const unsigned int inverted = evaluate_end(material, batch, steps);
+      if (inverted < batch.n_points)
+        return inverted;
+
+      for (unsigned int p = 0; p < batch.n_points; ++p)
+        {
+          const auto &step = steps[p];
+          const auto  Q    = mandel::congruence<dim>(step.increment_inverse);
+          const MandelVector<dim> S =
+            (1. - weight) * batch.kirchhoff_stress_old[p] +
+            weight * (Q * batch.material.kirchhoff_stress[p]);
+          batch.nominal_stress[p] = step.increment_mid * mandel::block<dim>(S);
+          if (batch.with_tangent)
+            batch.tangent[p] = nominal_tangent<dim>(
+              step.increment_mid,
+              step.increment,
+              S,
+              weight *
+                mandel::transform<dim>(Q, batch.material.spatial_tangent[p]));
+        }
+      return batch.n_points;
+    }
+
+    template <int dim>
+    unsigned int
+    trapezoidal(const Material<dim> &material, StressBatch<dim> &batch)
+    {
+      return weighted(0.5, material, batch);
+    }
+
+    template <int dim>
+    unsigned int
+    end_point(const Material<dim> &material, StressBatch<dim> &batch)
+    {
+      return weighted(1., material, batch);
+    }
+
+    template <int dim>
+    unsigned int
+    mid_point(const Material<dim> &material, StressBatch<dim> &batch)
+    {
+      // the step to the mid-point, as if it were a step
+      const auto mid                     = std::make_unique<StressBatch<dim>>();
+      mid->n_points                      = batch.n_points;
+      mid->with_tangent                  = batch.with_tangent;
+      mid->is_inelastic                  = batch.is_inelastic;
+      mid->material.history              = batch.material.history;
+      mid->left_cauchy_green_old         = batch.left_cauchy_green_old;
+      mid->elastic_left_cauchy_green_old = batch.elastic_left_cauchy_green_old;
+      for (unsigned int p = 0; p < batch.n_points; ++p)
+        mid->displacement_gradient[p] = 0.5 * batch.displacement_gradient[p];
+
+      Steps<dim>   steps;
+      unsigned int inverted = evaluate_end(material, batch, steps);
+      if (inverted == batch.n_points)
+        inverted = evaluate_end(material, *mid, steps);
+      if (inverted < batch.n_points)
+        return inverted;
+
+      for (unsigned int p = 0; p < batch.n_points; ++p)
+        {
+          const auto &step = steps[p];
+          const auto  Q    = mandel::congruence<dim>(step.increment_inverse);
+          const MandelVector<dim> S = Q * mid->material.kirchhoff_stress[p];
+          batch.nominal_stress[p]   = step.increment * mandel::block<dim>(S);
+          // S depends on the mid-point's C, and d(mid-point's F) = dH/2
+          if (batch.with_tangent)
+            batch.tangent[p] = nominal_tangent<dim>(
+              step.increment,
+              step.increment,
+              S,
+              0.5 *
+                mandel::transform<dim>(Q, mid->material.spatial_tangent[p]));
+        }
+      return batch.n_points;
+    }
+  } // namespace
+
+  std::string
+  stress_rule_names()
+  {
+    return "conserving|mid-point|trapezoidal|end-point";
+  }
+
+  template <int dim>
+  StressRule<dim>
+  stress_rule(const std::string &name)
+  {
+    if (name == "conserving")
+      return {&conserving<dim>, true};
+    if (name == "mid-point")
+      return {&mid_point<dim>, false};
+    if (name == "trapezoidal")
+      return {&trapezoidal<dim>, false};
+    AssertThrow(name == "end-point",
+                ExcParameter("Method",
+                             "Stress rule",
+                             name,
+                             "it must be one of " + stress_rule_names() + "."));
+    return {&end_point<dim>, false};
+  }
+
+  template StressRule<2>
+  stress_rule<2>(const std::string &);
+  template StressRule<3>
+  stress_rule<3>(const std::string &);
+} // namespace emmy

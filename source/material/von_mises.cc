@@ -1,0 +1,166 @@
+#include <emmy/material/principal_axes.h>
+#include <emmy/material/von_mises.h>
+
+namespace emmy
+{
+  namespace
+  {
+    const double sqrt_two_thirds = std::sqrt(2. / 3.);
+  }
+
+  template <int dim>
+  VonMises<dim>::VonMises(const ElasticConstants &constants,
+                          const YieldSurface     &surface)
+    : constants(constants)
+    , surface(surface)
+  {}
+
+  template <int dim>
+  std::vector<Field>
+  VonMises<dim>::history() const
+  {
+    return {{"equivalent_plastic_strain",
+             Field::Kind::scalar,
+             "1",
+             "equivalent plastic strain, sum of sqrt(2/3) |plastic strain of "
+             "a step|"}};
+  }
+
+  template <int dim>
+  void
+  VonMises<dim>::evaluate(MaterialBatch<dim> &batch) const
+  {
+    const double K = constants.bulk_modulus, G = constants.shear_modulus;
+    const double H = surface.hardening_modulus;
+    for (unsigned int p = 0; p < batch.n_points; ++p)
+      {
+        const auto   e  = principal_strain<dim>(batch.left_cauchy_green[p]);
+        double      &xi = batch.history[0][p];
+        const double deviator_norm = std::sqrt(e.deviator_squared);
+        const double excess =
+          2. * G * deviator_norm - (surface.radius + sqrt_two_thirds * H * xi);
+        const double flow = std::max(0., excess / (2. * G + 2. / 3. * H));
+
+        // what is left of the trial's deviator, and its direction: zero where
+        // nothing flows, so that a point without a deviator has one
+        const double          kept = flow > 0. ? 1. - flow / deviator_norm : 1.;
+        std::array<double, 3> tau, direction{};
+        for (unsigned int i = 0; i < 3; ++i)
+          tau[i] = K * e.trace + 2. * G * kept * e.deviator[i];
+        if (flow > 0.)
+          {
+            std::array<double, 3> b_elastic;
+            for (unsigned int i = 0; i < 3; ++i)
+              {
+                direction[i] = e.deviator[i] / deviator_norm;
+                b_elastic[i] =
+                  e.b.values[i] * std::exp(-2. * flow * direction[i]);
+              }
+            batch.left_cauchy_green[p] =
+              from_principal<dim>(e.rotation, b_elastic);
+          }
+        xi += sqrt_two_thirds * flow;
+        batch.kirchhoff_stress[p] = from_principal<dim>(e.rotation, tau);
+        batch.stored_energy[p] =
+          0.5 * K * e.trace * e.trace + G * kept * kept * e.deviator_squared;
+        batch.hardening_energy[p] = 0.5 * H * xi * xi;
+        batch.dissipation[p]      = surface.radius * flow;
+
+        if (!batch.with_tangent)
+          continue;
+        // derivative of the return mapping (Pretti et al. 2023, A.31)
+        constexpr auto normal = mandel::normal_components<dim>();
+        const double   softer = 2. * G / (2. * G + 2. / 3. * H) - (1. - kept);
+        auto           c      = principal_tangent<dim>(e, tau, K, G * kept);
+        for (unsigned int i = 0; i < 3; ++i)
+          for (unsigned int j = 0; j < 3; ++j)
+            c[normal[i]][normal[j]] -=
+              2. * G * softer * direction[i] * direction[j];
+        batch.spatial_tangent[p] = mandel::transform<dim>(e.rotation, c);
+      }
+  }
+
+  template <int dim>
+  double
+  VonMises<dim>::density() const
+  {
+    return constants.density;
+  }
+
+  template <int dim>
+  double
+  VonMises<dim>::p_wave_modulus() const
+  {
+    return constants.bulk_modulus + 4. / 3. * constants.shear_modulus;
+  }
+
+  template <int dim>
+  VonMisesParameters<dim>::VonMisesParameters(const std::string &section)
+    : MaterialParameters<dim>(section)
+  {
+    using namespace dealii::Patterns;
+    constants.add_to(*this);
+    this->add_parameter("Yield stress",
+                        yield_stress,
+                        "Where flow starts, see <Yield measure>. Unit: Pa. "
+                        "Required, positive.",
+                        this->prm,
+                        Double());
+    this->add_parameter("Hardening modulus",
+                        hardening_modulus,
+                        "Rise of the uniaxial yield stress with the equivalent "
+                        "plastic strain. Unit: Pa. Not negative; 0: no "
+                        "hardening.",
+                        this->prm,
+                        Double());
+    this->add_parameter("Yield measure",
+                        yield_measure,
+                        "What <Yield stress> is. uniaxial: the stress of a "
+                        "tension test, flow starts at sqrt(3/2) |s| = Yield "
+                        "stress (eq. 63; s: deviator of the Kirchhoff "
+                        "stress). deviatoric: flow starts at |s| = Yield "
+                        "stress (eq. 62), without hardening.",
+                        this->prm,
+                        Selection("uniaxial|deviatoric"));
+  }
+
+  template <int dim>
+  std::unique_ptr<Material<dim>>
+  VonMisesParameters<dim>::make() const
+  {
+    const auto require = [this](const bool         condition,
+                                const std::string &name,
+                                const double       value,
+                                const std::string &advice) {
+      AssertThrow(condition,
+                  ExcParameter(this->path(), name, shortest(value), advice));
+    };
+    const ElasticConstants elastic = constants.completed(this->path());
+    require(yield_stress > 0.,
+            "Yield stress",
+            yield_stress,
+            "required, and must be positive (Pa). For a material that never "
+            "flows use Model = Hencky.");
+    require(hardening_modulus >= 0.,
+            "Hardening modulus",
+            hardening_modulus,
+            "must not be negative (Pa): softening would depend on the grid. "
+            "Use 0 for no hardening.");
+    const bool is_deviatoric = yield_measure == "deviatoric";
+    require(!is_deviatoric || hardening_modulus == 0.,
+            "Hardening modulus",
+            hardening_modulus,
+            "must be 0 with Yield measure = deviatoric. To harden, use Yield "
+            "measure = uniaxial and sqrt(3/2) times the deviatoric Yield "
+            "stress.");
+    return std::make_unique<VonMises<dim>>(
+      elastic,
+      YieldSurface{(is_deviatoric ? 1. : sqrt_two_thirds) * yield_stress,
+                   hardening_modulus});
+  }
+
+  template class VonMises<2>;
+  template class VonMises<3>;
+  template class VonMisesParameters<2>;
+  template class VonMisesParameters<3>;
+} // namespace emmy
