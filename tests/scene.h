@@ -7,6 +7,8 @@
 #include <fstream>
 #include <string>
 
+#include "check.h"
+
 namespace emmy
 {
   namespace test
@@ -61,6 +63,47 @@ namespace emmy
       for (const auto &particle : scene.particles)
         mass += particle.get_properties()[scene.layout["mass"]];
       return dealii::Utilities::MPI::sum(mass, MPI_COMM_WORLD);
+    }
+
+    /** The largest magnitude; NaN if there is one. */
+    inline double
+    largest(const std::vector<double> &values)
+    {
+      double result = 0.;
+      for (const double value : values)
+        if (!(std::abs(value) <= result)) // NaN too
+          result = std::abs(value);
+      return result;
+    }
+
+    /** Print a number that the scene is judged by, then judge it. */
+    inline void
+    at_most(const std::string &what, const double value, const double limit)
+    {
+      std::cout << std::left << std::setw(52) << what << std::setprecision(3)
+                << value << "  (at most " << limit << ")\n";
+      check(value <= limit, what);
+    }
+
+    /** Columns of the ledger differ by at most 1e-10 of their largest value. */
+    template <int dim>
+    void
+    check_same_ledgers(const RunningScene<dim>        &one_rank,
+                       const RunningScene<dim>        &all_ranks,
+                       const std::vector<std::string> &columns)
+    {
+      check(all_ranks.ledger.rows().size() == one_rank.ledger.rows().size(),
+            "as many steps as on one rank");
+      for (const std::string &name : columns)
+        {
+          const auto a = one_rank.column(name), b = all_ranks.column(name);
+          std::vector<double> difference;
+          for (unsigned int row = 0; row < std::min(a.size(), b.size()); ++row)
+            difference.push_back(a[row] - b[row]);
+          at_most(name + ", difference to one rank",
+                  largest(difference) / largest(a),
+                  1e-10);
+        }
     }
 
     /** Two discs of two materials that collide off their axis. */

@@ -9,27 +9,10 @@ using namespace emmy;
 
 namespace
 {
+  using test::at_most;
   using test::check;
   using test::check_close;
-
-  double
-  largest(const std::vector<double> &values)
-  {
-    double result = 0.;
-    for (const double value : values)
-      if (!(std::abs(value) <= result)) // NaN too
-        result = std::abs(value);
-    return result;
-  }
-
-  /** Print a number that the scene is judged by, then judge it. */
-  void
-  at_most(const std::string &what, const double value, const double limit)
-  {
-    std::cout << std::left << std::setw(52) << what << std::setprecision(3)
-              << value << "  (at most " << limit << ")\n";
-    check(value <= limit, what);
-  }
+  using test::largest;
 
   /** Steps between which the bodies move apart without touching. */
   template <int dim>
@@ -119,27 +102,17 @@ main(int argc, char *argv[])
 
   test::RunningScene<2> all_ranks(parameters, MPI_COMM_WORLD);
   all_ranks.advance_to(parameters.time.end_time);
-  check(all_ranks.ledger.rows().size() == one_rank.ledger.rows().size(),
-        "as many steps as on one rank");
-  for (const char *name : {"time",
-                           "time_step",
-                           "kinetic_energy_grid_old",
-                           "active_cells",
-                           "active_dofs",
-                           "particles",
-                           "kinetic_energy",
-                           "kinetic_energy_grid_new",
-                           "strain_energy",
-                           "angular_momentum_z"})
-    {
-      const auto a = one_rank.column(name), b = all_ranks.column(name);
-      double     difference = 0.;
-      for (unsigned int row = 0; row < std::min(a.size(), b.size()); ++row)
-        if (!(std::abs(a[row] - b[row]) <= difference)) // NaN too
-          difference = std::abs(a[row] - b[row]);
-      at_most(std::string(name) + ", difference to one rank",
-              difference / largest(a),
-              1e-10);
-    }
+  test::check_same_ledgers(one_rank,
+                           all_ranks,
+                           {"time",
+                            "time_step",
+                            "kinetic_energy_grid_old",
+                            "active_cells",
+                            "active_dofs",
+                            "particles",
+                            "kinetic_energy",
+                            "kinetic_energy_grid_new",
+                            "strain_energy",
+                            "angular_momentum_z"});
   return test::report();
 }
