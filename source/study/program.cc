@@ -1,0 +1,176 @@
+#include <deal.II/base/mpi.h>
+
+#include <emmy/base/exceptions.h>
+#include <emmy/study/program.h>
+#include <emmy/study/run.h>
+#include <emmy/study/scene_parameters.h>
+
+#include <iostream>
+#include <string>
+#include <vector>
+
+namespace emmy
+{
+  namespace
+  {
+    constexpr const char *help =
+      R"(emmy: implicit, energy- and momentum-conserving material point method
+
+  emmy FILE.prm [options]          run the scene of a parameter file
+  emmy --check FILE.prm            read it, build the scene, say what it will
+                                   cost; run nothing
+  emmy --print-parameters          all parameters there are, with units
+  emmy --print-parameters FILE.prm all parameters of that file as it sets them
+  emmy --version | --help
+
+options
+  --set "Section/Name=value"       override an entry; may be repeated
+  --overwrite                      replace the results of an earlier run
+
+In parallel: mpirun -np 2 emmy FILE.prm
+)";
+
+    struct CommandLine
+    {
+      enum class Task
+      {
+        run,
+        check,
+        print_parameters,
+        version,
+        help
+      } task = Task::run;
+      std::string              file;
+      std::vector<std::string> assignments;
+      bool                     overwrite = false;
+    };
+
+    CommandLine
+    parse(const std::vector<std::string> &words)
+    {
+      const auto refuse = [](const std::string &what,
+                             const std::string &remedy) {
+        AssertThrow(false, ExcRun("Command line", what, remedy));
+      };
+      CommandLine line;
+      for (auto word = words.begin(); word != words.end(); ++word)
+        if (*word == "--help" || *word == "-h")
+          line.task = CommandLine::Task::help;
+        else if (*word == "--version")
+          line.task = CommandLine::Task::version;
+        else if (*word == "--print-parameters")
+          line.task = CommandLine::Task::print_parameters;
+        else if (*word == "--check")
+          line.task = CommandLine::Task::check;
+        else if (*word == "--overwrite")
+          line.overwrite = true;
+        else if (*word == "--set")
+          {
+            if (word + 1 == words.end())
+              refuse("--set has no value",
+                     "write --set \"Section/Name=value\".");
+            line.assignments.push_back(*++word);
+          }
+        else if (word->substr(0, 1) == "-")
+          refuse("unknown option <" + *word + ">", "emmy --help lists them.");
+        else if (!line.file.empty())
+          refuse("two parameter files, <" + line.file + "> and <" + *word + ">",
+                 "give one; start emmy once per file.");
+        else
+          line.file = *word;
+      if (line.file.empty() && (line.task == CommandLine::Task::run ||
+                                line.task == CommandLine::Task::check))
+        refuse("no parameter file",
+               "name one, e.g. emmy prm/paper/7.2.prm; emmy --help says more.");
+      return line;
+    }
+
+    template <int dim>
+    void
+    perform(const CommandLine   &line,
+            const ParameterFile &file,
+            const bool           is_first)
+    {
+      if (line.task == CommandLine::Task::print_parameters)
+        {
+          const SceneParameters<dim> parameters(file);
+          if (is_first && line.file.empty())
+            std::cout << "# The reference of all parameters, shown in three "
+                         "dimensions with\n# one section per material and "
+                         "shape. Not a scene.\n\n";
+          if (is_first)
+            parameters.print(std::cout);
+        }
+      else
+        {
+          RunOptions options;
+          options.only_check = line.task == CommandLine::Task::check;
+          options.overwrite  = line.overwrite;
+          run<dim>(file, options, MPI_COMM_WORLD);
+        }
+    }
+
+    void
+    perform(const CommandLine &line, const bool is_first)
+    {
+      using Task = CommandLine::Task;
+      if (line.task == Task::help || line.task == Task::version)
+        {
+          if (is_first)
+            std::cout << (line.task == Task::help ? help
+                                                  : "emmy " EMMY_VERSION "\n");
+          return;
+        }
+      ParameterFile file =
+        line.file.empty() ? reference_file() : ParameterFile(line.file);
+      for (const std::string &assignment : line.assignments)
+        file.set(assignment);
+      if (dimension_of(file) == 2)
+        perform<2>(line, file, is_first);
+      else
+        perform<3>(line, file, is_first);
+    }
+  } // namespace
+
+  int
+  run_program(int argc, char *argv[])
+  {
+    dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+    const bool                               is_first =
+      dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
+
+    // Errors of ours are raised on all ranks together; the first speaks.
+    const auto report = [is_first](const dealii::ExceptionBase &error) {
+      if (is_first)
+        {
+          std::cout << std::flush;
+          std::cerr << "\nemmy: error: " << message_of(error) << std::endl;
+        }
+      return 1;
+    };
+    try
+      {
+        perform(parse({argv + 1, argv + argc}), is_first);
+      }
+    catch (const ExcParameter &error)
+      {
+        return report(error);
+      }
+    catch (const ExcRun &error)
+      {
+        return report(error);
+      }
+    catch (const std::exception &error)
+      {
+        std::cerr << "\nemmy: unexpected error:\n" << error.what() << std::endl;
+        // other ranks may wait for this one
+        MPI_Abort(MPI_COMM_WORLD, 1);
+      }
+    catch (...) // Epetra throws numbers
+      {
+        std::cerr << "\nemmy: unexpected error of an unknown kind" << std::endl;
+        MPI_Abort(MPI_COMM_WORLD, 1);
+      }
+    return 0;
+  }
+} // namespace emmy
