@@ -88,7 +88,7 @@ namespace emmy
       {
         const std::size_t n         = positions.size();
         const double      tolerance = 1e-9 * grid.smallest_cell_size();
-        distances.assign(n, std::numeric_limits<double>::max());
+        distances.assign(n, std::numeric_limits<double>::infinity());
         for (const auto &particle : particles)
           for (std::size_t i = 0; i < n; ++i)
             distances[i] =
