@@ -15,24 +15,6 @@ namespace emmy
     return dealii::Utilities::MPI::sum(sum, a.get_mpi_communicator());
   }
 
-  namespace
-  {
-    /**
-     * Raise the diagonal by a relative 1e-12. A node that few particles reach
-     * can have directions that neither inertia nor stress resists beyond
-     * round-off; the damping keeps increments there small. It slows Newton by
-     * as little and does not change where it converges to.
-     */
-    void
-    damp(Matrix &matrix)
-    {
-      const auto rows = matrix.local_range();
-      for (auto row = rows.first; row < rows.second; ++row)
-        matrix.add(row, row, 1e-12 * std::abs(matrix.diag_element(row)));
-      matrix.compress(dealii::VectorOperation::add);
-    }
-  } // namespace
-
   template <int dim>
   Balance<dim>::Balance(Effects<dim> effects)
     : effects(std::move(effects))
@@ -121,10 +103,7 @@ namespace emmy
         total_work += absolute_product(force, solution);
       }
     if (with_jacobian)
-      {
-        tangent.compress(dealii::VectorOperation::add);
-        damp(tangent);
-      }
+      tangent.compress(dealii::VectorOperation::add);
 
     free_residual = full_residual;
     active.constraints().set_zero(free_residual);
@@ -139,8 +118,8 @@ namespace emmy
   }
 
   template <int dim>
-  const Matrix &
-  StepEquation<dim>::jacobian() const
+  Matrix &
+  StepEquation<dim>::jacobian()
   {
     return tangent;
   }

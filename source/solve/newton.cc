@@ -1,6 +1,8 @@
 #include <emmy/base/text.h>
 #include <emmy/solve/newton.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace emmy
@@ -11,7 +13,169 @@ namespace emmy
     constexpr double force_round_off = 1e-12;
     /** ... and if its work is so too, there is nothing left to gain. */
     constexpr double work_round_off = 1e-13;
+
+    /** What the damped try may leave, of forces and of works. */
+    constexpr double singular_tolerance = 1e-9;
+
+    /**
+     * The least damping, of both tries. A node that few particles reach can
+     * have directions that neither inertia nor stress resists beyond
+     * round-off; this keeps increments there finite.
+     */
+    constexpr double least_damping = 1e-12;
+    /** Where the damped try starts. */
+    constexpr double first_damping = 1e-6;
+
+    /** The sizes of a matrix's diagonal. */
+    Vector
+    diagonal_of(const Matrix &matrix, const Vector &like)
+    {
+      Vector     result = like;
+      const auto rows   = matrix.local_range();
+      auto       entry  = result.begin();
+      for (auto row = rows.first; row < rows.second; ++row)
+        *entry++ = std::abs(matrix.diag_element(row));
+      return result;
+    }
+
+    /** Raise the diagonal by a fraction. */
+    void
+    damp(const double mu, Matrix &matrix)
+    {
+      const auto rows = matrix.local_range();
+      for (auto row = rows.first; row < rows.second; ++row)
+        matrix.add(row, row, mu * std::abs(matrix.diag_element(row)));
+      matrix.compress(dealii::VectorOperation::add);
+    }
+
+    /** sqrt(sum r_i^2 / d_i): every node counts alike. Collective. */
+    double
+    scaled_norm(const Vector &r, const Vector &diagonal)
+    {
+      double sum   = 0.;
+      auto   entry = diagonal.begin();
+      for (auto r_i = r.begin(); r_i != r.end(); ++r_i, ++entry)
+        sum += *r_i == 0. ? 0. : *r_i * *r_i / *entry;
+      return std::sqrt(
+        dealii::Utilities::MPI::sum(sum, r.get_mpi_communicator()));
+    }
   } // namespace
+
+  /** One try: where it stands and what it did. */
+  class Newton::Iteration
+  {
+  public:
+    Iteration(const Newton      &newton,
+              NonlinearEquation &equation,
+              Vector            &solution)
+      : newton(newton)
+      , equation(equation)
+      , solution(solution)
+      , increment(solution)
+      , right_side(solution)
+    {}
+
+    /** Evaluate the equation; false if it has no meaning there. */
+    bool
+    evaluate()
+    {
+      const auto scope = newton.phases.scope("residual and tangent");
+      return equation.evaluate(solution, /*with_jacobian=*/true);
+    }
+
+    /** The first evaluation; true if there is something to solve. */
+    bool
+    begin()
+    {
+      if (!evaluate())
+        {
+          result.problem = equation.problem();
+          return false;
+        }
+      norm = equation.residual().l2_norm();
+      result.residual_history.push_back(norm);
+      result.is_converged = is_round_off(std::numeric_limits<double>::max());
+      return !result.is_converged;
+    }
+
+    bool
+    may_go_on()
+    {
+      if (result.iterations < newton.maximum_iterations)
+        return true;
+      result.problem =
+        "not converged in " + std::to_string(newton.maximum_iterations) +
+        " iterations; |r| went from " + brief(result.residual_history.front()) +
+        " to " + brief(norm) + " N";
+      return false;
+    }
+
+    /**
+     * Find the increment with the matrix damped by @p mu, and take it.
+     * @return false if the linear solver failed
+     */
+    bool
+    step(const double mu)
+    {
+      const auto scope = newton.phases.scope("linear solve");
+      damp(mu, equation.jacobian());
+      right_side.equ(-1., equation.residual());
+      LinearResult solve = newton.linear_solver.prepare(equation.jacobian());
+      if (solve.is_solved)
+        solve = newton.linear_solver.solve(increment,
+                                           right_side,
+                                           newton.linear_tolerance);
+      result.linear_iterations += solve.iterations;
+      if (!solve.is_solved)
+        {
+          result.problem = "linear solver: " + solve.problem;
+          return false;
+        }
+      // The first increment may be wild at nodes that few particles reach;
+      // then the first |r||du| of the paper is no measure, but this is.
+      if (++result.iterations == 1)
+        reference = absolute_product(right_side, increment);
+      solution += increment;
+      return true;
+    }
+
+    /** Note what the increment led to. @return whether this is enough. */
+    bool
+    is_converged()
+    {
+      const double norm_before = norm;
+      norm                     = equation.residual().l2_norm();
+      result.residual_history.push_back(norm);
+      result.work_history.push_back(
+        absolute_product(equation.residual(), increment));
+      reference = std::min(reference, result.work_history.front());
+      result.is_converged =
+        result.work_history.back() < newton.tolerance * reference ||
+        is_round_off(norm_before);
+      return result.is_converged;
+    }
+
+    /**
+     * At nodes that few particles reach, small forces can do much work: go on
+     * as long as the residual falls.
+     */
+    bool
+    is_round_off(const double norm_before) const
+    {
+      return norm <= force_round_off * equation.scale() &&
+             (norm > 0.5 * norm_before ||
+              absolute_product(equation.residual(), solution) <=
+                work_round_off * equation.work_scale());
+    }
+
+    const Newton      &newton;
+    NonlinearEquation &equation;
+    Vector            &solution;
+    Vector             increment, right_side;
+    NewtonResult       result;
+    double             norm      = 0.; ///< |r|
+    double             reference = 0.; ///< for sum |r||du|
+  };
 
   Newton::Newton(const SolverParameters &parameters,
                  LinearSolver           &linear_solver,
@@ -28,88 +192,105 @@ namespace emmy
   NewtonResult
   Newton::solve(NonlinearEquation &equation, Vector &solution) const
   {
-    NewtonResult result;
-    const auto   evaluate = [&] {
-      const auto scope = phases.scope("residual and tangent");
-      return equation.evaluate(solution, /*with_jacobian=*/true);
-    };
-    if (!evaluate())
-      {
-        result.problem = equation.problem();
-        return result;
-      }
-    double norm = equation.residual().l2_norm();
-    result.residual_history.push_back(norm);
-    // At nodes that few particles reach, small forces can do much work: go on
-    // as long as the residual falls.
-    const auto is_round_off = [&](const double norm_before) {
-      return norm <= force_round_off * equation.scale() &&
-             (norm > 0.5 * norm_before ||
-              absolute_product(equation.residual(), solution) <=
-                work_round_off * equation.work_scale());
-    };
-    if (is_round_off(std::numeric_limits<double>::max()))
-      {
-        result.is_converged = true;
-        return result;
-      }
+    const Vector start = solution;
+    Iteration    first(*this, equation, solution);
+    plain(first);
+    // a first try that was not even begun has a start without meaning
+    if (first.result.is_converged || first.result.iterations == 0)
+      return first.result;
 
-    Vector increment(solution), right_side(solution);
-    double reference = 0.; // for sum |r||du|
-    while (result.iterations < maximum_iterations)
+    solution = start;
+    Iteration second(*this, equation, solution);
+    damped(second);
+    NewtonResult result = second.result;
+    result.is_damped    = true;
+    result.iterations += first.result.iterations;
+    result.linear_iterations += first.result.linear_iterations;
+    if (!result.is_converged)
+      result.problem = first.result.problem + "; then, with a damped matrix, " +
+                       result.problem;
+    return result;
+  }
+
+  void
+  Newton::plain(Iteration &iteration) const
+  {
+    if (!iteration.begin())
+      return;
+    for (unsigned int n_rises = 0; iteration.may_go_on();)
       {
-        right_side.equ(-1., equation.residual());
-        {
-          const auto   scope = phases.scope("linear solve");
-          LinearResult solve = linear_solver.prepare(equation.jacobian());
-          if (solve.is_solved)
-            solve =
-              linear_solver.solve(increment, right_side, linear_tolerance);
-          result.linear_iterations += solve.iterations;
-          if (!solve.is_solved)
-            {
-              result.problem = "linear solver: " + solve.problem;
-              return result;
-            }
-        }
-        ++result.iterations;
-
-        // The first increment may be wild at nodes that few particles reach;
-        // then the first |r||du| of the paper is no measure, but this is.
-        if (result.iterations == 1)
-          reference = absolute_product(right_side, increment);
-
-        solution += increment;
-        bool has_meaning = evaluate();
+        if (!iteration.step(least_damping))
+          return;
+        bool has_meaning = iteration.evaluate();
         for (unsigned int halving = 0; !has_meaning && halving < 6; ++halving)
           {
-            increment *= 0.5;
-            solution -= increment;
-            has_meaning = evaluate();
+            iteration.increment *= 0.5;
+            iteration.solution -= iteration.increment;
+            has_meaning = iteration.evaluate();
           }
         if (!has_meaning)
           {
-            result.problem = equation.problem();
-            return result;
+            iteration.result.problem = iteration.equation.problem();
+            return;
           }
-
-        const double norm_before = norm;
-        norm                     = equation.residual().l2_norm();
-        result.residual_history.push_back(norm);
-        result.work_history.push_back(
-          absolute_product(equation.residual(), increment));
-        reference         = std::min(reference, result.work_history.front());
-        const double work = result.work_history.back();
-        if (work < tolerance * reference || is_round_off(norm_before))
+        const double norm_before = iteration.norm;
+        if (iteration.is_converged())
+          return;
+        // the first increment may well raise it
+        if (iteration.result.iterations > 1 && iteration.norm > norm_before &&
+            ++n_rises == 2)
           {
-            result.is_converged = true;
-            return result;
+            iteration.result.problem =
+              "|r| rose twice, to " + brief(iteration.norm) + " N";
+            return;
           }
       }
-    result.problem = "not converged in " + std::to_string(maximum_iterations) +
-                     " iterations; |r| went from " +
-                     brief(result.residual_history.front()) + " to " +
-                     brief(norm) + " N";
-    return result;
+  }
+
+  void
+  Newton::damped(Iteration &iteration) const
+  {
+    if (!iteration.begin())
+      return;
+    const auto  &equation = iteration.equation;
+    const Vector diagonal =
+      diagonal_of(iteration.equation.jacobian(), iteration.solution);
+    double measure = scaled_norm(equation.residual(), diagonal);
+    // what is left cannot be lowered, and does not matter
+    const auto is_left_over = [&] {
+      return iteration.norm <= singular_tolerance * equation.scale() &&
+             absolute_product(equation.residual(), iteration.solution) <=
+               singular_tolerance * equation.work_scale();
+    };
+    for (double mu = first_damping; iteration.may_go_on();)
+      {
+        if (!iteration.step(mu))
+          return;
+        const bool   has_meaning    = iteration.evaluate();
+        const double measure_before = measure;
+        if (has_meaning)
+          measure = scaled_norm(equation.residual(), diagonal);
+        if (!has_meaning || !(measure < measure_before))
+          {
+            iteration.solution -= iteration.increment;
+            iteration.evaluate();
+            measure = measure_before;
+            if (is_left_over())
+              {
+                iteration.result.is_converged = true;
+                return;
+              }
+            mu = std::min(1., 100. * mu);
+            continue;
+          }
+        mu = std::max(least_damping, 0.1 * mu);
+        if (iteration.is_converged())
+          return;
+        if (measure > 0.5 * measure_before && is_left_over())
+          {
+            iteration.result.is_converged = true;
+            return;
+          }
+      }
   }
 } // namespace emmy

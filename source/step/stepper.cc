@@ -79,7 +79,17 @@ namespace emmy
         solution.newton = Newton(solver_parameters, *linear_solver, phases)
                             .solve(*solution.equation, solution.displacement);
         if (solution.newton.is_converged)
-          break;
+          {
+            if (solution.newton.is_damped)
+              solution.notes.push_back(
+                where() +
+                ": Newton's matrix was singular and had to be "
+                "damped; |r| is " +
+                brief(solution.newton.residual_history.back() /
+                      solution.equation->scale()) +
+                " of the forces");
+            break;
+          }
         if (halvings == limits.maximum_halvings)
           throw_together(
             grid.communicator(),
@@ -247,6 +257,7 @@ namespace emmy
                                     start->active->cells().size()),
                                   grid.communicator());
     result.active_dofs = start->active->n_dofs();
+    result.is_damped   = solution.newton.is_damped;
     result.notes       = solution.notes;
     return result;
   }

@@ -53,8 +53,8 @@ namespace emmy
     evaluate(const Vector &solution, const bool with_jacobian) override;
     const Vector &
     residual() const override;
-    const Matrix &
-    jacobian() const override;
+    Matrix &
+    jacobian() override;
     double
     scale() const override;
     double

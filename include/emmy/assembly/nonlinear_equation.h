@@ -26,8 +26,9 @@ namespace emmy
     virtual const Vector &
     residual() const = 0;
 
-    virtual const Matrix &
-    jacobian() const = 0;
+    /** The derivative of r; Newton may add to it before it solves. */
+    virtual Matrix &
+    jacobian() = 0;
 
     /** The size of the forces that balance in r, in the 2-norm. */
     virtual double

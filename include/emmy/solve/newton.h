@@ -14,23 +14,38 @@ namespace emmy
   struct NewtonResult
   {
     bool         is_converged      = false;
-    unsigned int iterations        = 0;
+    unsigned int iterations        = 0; ///< of both tries
     unsigned int linear_iterations = 0;
     /** sum |r||du| of each iteration (Pretti et al. 2023, sec. 3.4). */
     std::vector<double> work_history;
     /** |r| before the first and after each iteration. */
     std::vector<double> residual_history;
+    /** Whether the plain method failed and the damped one took over. */
+    bool is_damped = false;
     /** Why it did not converge, in words; the same on all ranks. */
     std::string problem;
   };
 
   /**
-   * Newton's method on a NonlinearEquation. Converged when sum |r||du|, with r
-   * after the increment, has fallen to the tolerance times its first value
-   * (that with r before the first increment, if smaller), or |r| to 1e-12 of
-   * the forces that balance in it and its work to round-off (free flight,
-   * rest). An increment that leaves the equation without meaning is halved, at
-   * most six times. Made by the step for each attempt.
+   * Newton's method on a NonlinearEquation, with two tries.
+   *
+   * The plain try is converged when sum |r||du|, with r after the increment,
+   * has fallen to the tolerance times its first value (that with r before the
+   * first increment, if smaller), or |r| to 1e-12 of the forces that balance
+   * in it and its work to round-off (free flight, rest). An increment that
+   * leaves the equation without meaning is halved, at most six times.
+   *
+   * If that fails, the matrix may be singular: a particle alone among new
+   * nodes has no stress, and then nothing resists its rotation but a torque
+   * that hardly depends on it. The damped try adds mu times its diagonal to
+   * the matrix, and adapts mu as Levenberg and Marquardt do: less after an
+   * increment that lowers the residual, scaled with the diagonal; more, and
+   * the increment is taken back, otherwise. Where it converges to does not
+   * change. It is also content when that scaled residual no longer falls, with
+   * |r| below 1e-9 of the forces and its work below 1e-9 of theirs: what is
+   * left belongs to the free rotation, and the ledger books its work.
+   *
+   * Made by the step for each attempt.
    */
   class Newton
   {
@@ -48,6 +63,13 @@ namespace emmy
     solve(NonlinearEquation &equation, Vector &solution) const;
 
   private:
+    class Iteration;
+
+    void
+    plain(Iteration &iteration) const;
+    void
+    damped(Iteration &iteration) const;
+
     const double       tolerance, linear_tolerance;
     const unsigned int maximum_iterations;
     LinearSolver      &linear_solver;
