@@ -15,7 +15,10 @@ namespace emmy
     constexpr double work_round_off = 1e-13;
 
     /** What the damped try may leave, of forces and of works. */
-    constexpr double singular_tolerance = 1e-9;
+    constexpr double singular_tolerance = 1e-8;
+
+    /** The largest change of a displacement gradient in one increment. */
+    constexpr double largest_size = 0.3;
 
     /**
      * The least damping, of both tries. A node that few particles reach can
@@ -24,7 +27,7 @@ namespace emmy
      */
     constexpr double least_damping = 1e-12;
     /** Where the damped try starts. */
-    constexpr double first_damping = 1e-6;
+    constexpr double first_damping = 1e-5;
 
     /** The sizes of a matrix's diagonal. */
     Vector
@@ -111,11 +114,12 @@ namespace emmy
     }
 
     /**
-     * Find the increment with the matrix damped by @p mu, and take it.
+     * Find the increment with the matrix damped by @p mu; a second time, mu
+     * adds to what was there.
      * @return false if the linear solver failed
      */
     bool
-    step(const double mu)
+    find_increment(const double mu)
     {
       const auto scope = newton.phases.scope("linear solve");
       damp(mu, equation.jacobian());
@@ -127,16 +131,20 @@ namespace emmy
                                            newton.linear_tolerance);
       result.linear_iterations += solve.iterations;
       if (!solve.is_solved)
-        {
-          result.problem = "linear solver: " + solve.problem;
-          return false;
-        }
+        result.problem = "linear solver: " + solve.problem;
+      return solve.is_solved;
+    }
+
+    /** Take the increment. @return whether the equation has meaning there. */
+    bool
+    take()
+    {
       // The first increment may be wild at nodes that few particles reach;
       // then the first |r||du| of the paper is no measure, but this is.
       if (++result.iterations == 1)
         reference = absolute_product(right_side, increment);
       solution += increment;
-      return true;
+      return evaluate();
     }
 
     /** Note what the increment led to. @return whether this is enough. */
@@ -166,6 +174,15 @@ namespace emmy
              (norm > 0.5 * norm_before ||
               absolute_product(equation.residual(), solution) <=
                 work_round_off * equation.work_scale());
+    }
+
+    /** What is left does not matter, whether or not it can be lowered. */
+    bool
+    is_left_over() const
+    {
+      return norm <= singular_tolerance * equation.scale() &&
+             absolute_product(equation.residual(), solution) <=
+               singular_tolerance * equation.work_scale();
     }
 
     const Newton      &newton;
@@ -217,11 +234,17 @@ namespace emmy
   {
     if (!iteration.begin())
       return;
-    for (unsigned int n_rises = 0; iteration.may_go_on();)
+    while (iteration.may_go_on())
       {
-        if (!iteration.step(least_damping))
+        double mu = least_damping;
+        if (!iteration.find_increment(mu))
           return;
-        bool has_meaning = iteration.evaluate();
+        while (mu < 0.1 &&
+               iteration.equation.size(iteration.increment) > largest_size)
+          if (!iteration.find_increment(mu *= 10.))
+            return;
+
+        bool has_meaning = iteration.take();
         for (unsigned int halving = 0; !has_meaning && halving < 6; ++halving)
           {
             iteration.increment *= 0.5;
@@ -233,17 +256,8 @@ namespace emmy
             iteration.result.problem = iteration.equation.problem();
             return;
           }
-        const double norm_before = iteration.norm;
         if (iteration.is_converged())
           return;
-        // the first increment may well raise it
-        if (iteration.result.iterations > 1 && iteration.norm > norm_before &&
-            ++n_rises == 2)
-          {
-            iteration.result.problem =
-              "|r| rose twice, to " + brief(iteration.norm) + " N";
-            return;
-          }
       }
   }
 
@@ -256,41 +270,31 @@ namespace emmy
     const Vector diagonal =
       diagonal_of(iteration.equation.jacobian(), iteration.solution);
     double measure = scaled_norm(equation.residual(), diagonal);
-    // what is left cannot be lowered, and does not matter
-    const auto is_left_over = [&] {
-      return iteration.norm <= singular_tolerance * equation.scale() &&
-             absolute_product(equation.residual(), iteration.solution) <=
-               singular_tolerance * equation.work_scale();
-    };
     for (double mu = first_damping; iteration.may_go_on();)
       {
-        if (!iteration.step(mu))
+        if (!iteration.find_increment(mu))
           return;
-        const bool   has_meaning    = iteration.evaluate();
+        const bool   has_meaning    = iteration.take();
         const double measure_before = measure;
         if (has_meaning)
           measure = scaled_norm(equation.residual(), diagonal);
-        if (!has_meaning || !(measure < measure_before))
+        const bool is_better = has_meaning && measure < measure_before;
+        if (is_better && iteration.is_converged())
+          return;
+        if (!is_better)
           {
             iteration.solution -= iteration.increment;
             iteration.evaluate();
             measure = measure_before;
-            if (is_left_over())
-              {
-                iteration.result.is_converged = true;
-                return;
-              }
-            mu = std::min(1., 100. * mu);
-            continue;
           }
-        mu = std::max(least_damping, 0.1 * mu);
-        if (iteration.is_converged())
-          return;
-        if (measure > 0.5 * measure_before && is_left_over())
+        const bool has_stalled = measure > 0.5 * measure_before;
+        if (has_stalled && iteration.is_left_over())
           {
             iteration.result.is_converged = true;
             return;
           }
+        mu = is_better ? std::max(least_damping, 0.1 * mu)
+                       : std::min(1., 100. * mu);
       }
   }
 } // namespace emmy

@@ -59,6 +59,9 @@ namespace emmy
     scale() const override;
     double
     work_scale() const override;
+    /** The largest norm of a displacement gradient at a particle. */
+    double
+    size(const Vector &increment) const override;
     const std::string &
     problem() const override;
 

@@ -38,6 +38,13 @@ namespace emmy
     virtual double
     work_scale() const = 0;
 
+    /**
+     * How far an increment of the solution goes, dimensionless: where it is
+     * above one, a linearisation is worth nothing. Collective.
+     */
+    virtual double
+    size(const Vector &increment) const = 0;
+
     /** What was wrong in the last evaluation, on all ranks; or empty. */
     virtual const std::string &
     problem() const = 0;

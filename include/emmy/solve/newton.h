@@ -32,18 +32,20 @@ namespace emmy
    * The plain try is converged when sum |r||du|, with r after the increment,
    * has fallen to the tolerance times its first value (that with r before the
    * first increment, if smaller), or |r| to 1e-12 of the forces that balance
-   * in it and its work to round-off (free flight, rest). An increment that
-   * leaves the equation without meaning is halved, at most six times.
+   * in it and its work to round-off (free flight, rest). An increment whose
+   * size() is above 0.3 is found again with a more strongly damped matrix; one
+   * that leaves the equation without meaning is halved, at most six times.
    *
-   * If that fails, the matrix may be singular: a particle alone among new
+   * If it fails, the matrix is most often singular: a particle alone among new
    * nodes has no stress, and then nothing resists its rotation but a torque
    * that hardly depends on it. The damped try adds mu times its diagonal to
    * the matrix, and adapts mu as Levenberg and Marquardt do: less after an
    * increment that lowers the residual, scaled with the diagonal; more, and
-   * the increment is taken back, otherwise. Where it converges to does not
-   * change. It is also content when that scaled residual no longer falls, with
-   * |r| below 1e-9 of the forces and its work below 1e-9 of theirs: what is
-   * left belongs to the free rotation, and the ledger books its work.
+   * the increment is taken back, otherwise. This does not change where it
+   * converges to. It is also content when that scaled residual no longer
+   * falls, with |r| below 1e-8 of the forces and its work below 1e-8 of
+   * theirs: what is left belongs to the free rotation, and the ledger books
+   * its work.
    *
    * Made by the step for each attempt.
    */
