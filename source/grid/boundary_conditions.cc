@@ -1,3 +1,5 @@
+#include <deal.II/base/quadrature_lib.h>
+
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
 #include <emmy/grid/boundary_conditions.h>
@@ -7,8 +9,10 @@
 
 namespace emmy
 {
-  BoundaryParameters::BoundaryParameters(const std::string &section)
+  BoundaryParameters::BoundaryParameters(const unsigned int dim,
+                                         const std::string &section)
     : Section(section)
+    , velocities(2 * dim)
   {
     const dealii::Patterns::List sides(dealii::Patterns::Anything(), 0);
     add_parameter("Fixed",
@@ -24,6 +28,14 @@ namespace emmy
                   "displacement is zero. A list of sides, as for <Fixed>.",
                   prm,
                   sides);
+    for (unsigned int side = 0; side < 2 * dim; ++side)
+      add_parameter("Velocity of " + side_names(dim)[side],
+                    velocities[side],
+                    "Formulas in t (s) of a wall that moves: " +
+                      std::to_string(dim) +
+                      " components separated by ; for a side in <Fixed>, the "
+                      "normal one for a side in <Roller>. Unit: m/s. Empty: "
+                      "at rest.");
   }
 
   std::vector<std::string>
@@ -41,6 +53,7 @@ namespace emmy
     const BoundaryParameters  &parameters,
     const BackgroundGrid<dim> &grid)
     : grid(grid)
+    , section(parameters.path())
   {
     const std::vector<std::string> names = side_names(dim);
     const auto side_of = [&](const std::string &name, const char *entry) {
@@ -60,6 +73,47 @@ namespace emmy
         const unsigned int side = side_of(name, "Roller");
         fixed_on_side[side].set(side / 2);
       }
+    for (unsigned int side = 0; side < 2 * dim; ++side)
+      {
+        const std::string &text  = parameters.velocities[side];
+        const std::string  entry = "Velocity of " + names[side];
+        if (dealii::Utilities::trim(text).empty())
+          continue;
+        const unsigned int n_components = fixed_on_side[side].count();
+        AssertThrow(n_components > 0,
+                    ExcParameter(section,
+                                 entry,
+                                 text,
+                                 "this side is free. Name it in <Fixed> or "
+                                 "<Roller>, or remove the velocity."));
+        motion[side] = read_formulas<1>(
+          text,
+          n_components,
+          section,
+          entry,
+          n_components == 1
+            ? "Write one formula in t, the normal velocity (m/s), e.g. 0.1*t."
+            : "Write " + std::to_string(dim) +
+                " components separated by ;, each a formula in t (m/s), e.g. " +
+                (dim == 2 ? "0; 0.1*t." : "0; 0; 0.1*t."),
+          "t");
+      }
+  }
+
+  template <int dim>
+  std::bitset<2 * dim>
+  BoundaryConditions<dim>::sides_at(const dealii::Point<dim> &position) const
+  {
+    std::bitset<2 * dim> sides;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double tolerance = 1e-6 * grid.cell_size()[d];
+        sides[2 * d] =
+          std::abs(position[d] - grid.lower_corner()[d]) < tolerance;
+        sides[2 * d + 1] =
+          std::abs(position[d] - grid.upper_corner()[d]) < tolerance;
+      }
+    return sides;
   }
 
   template <int dim>
@@ -67,16 +121,75 @@ namespace emmy
   BoundaryConditions<dim>::fixed_components(
     const dealii::Point<dim> &position) const
   {
+    const auto       sides = sides_at(position);
     std::bitset<dim> result;
-    for (unsigned int d = 0; d < dim; ++d)
+    for (unsigned int side = 0; side < 2 * dim; ++side)
+      if (sides[side])
+        result |= fixed_on_side[side];
+    return result;
+  }
+
+  template <int dim>
+  bool
+  BoundaryConditions<dim>::has_moving_walls() const
+  {
+    return std::any_of(motion.begin(), motion.end(), [](const auto &wall) {
+      return wall != nullptr;
+    });
+  }
+
+  template <int dim>
+  typename BoundaryConditions<dim>::Sides
+  BoundaryConditions<dim>::wall_velocities(const double time) const
+  {
+    Sides result;
+    for (unsigned int side = 0; side < 2 * dim; ++side)
+      if (motion[side])
+        for (unsigned int c = 0, entry = 0; c < dim; ++c)
+          if (fixed_on_side[side][c])
+            {
+              const double v =
+                motion[side]->value(dealii::Point<1>(time), entry++);
+              AssertThrow(std::isfinite(v),
+                          ExcRun(section,
+                                 "<Velocity of " + side_names(dim)[side] +
+                                   "> is " + shortest(v) +
+                                   " m/s at t = " + brief(time) + " s",
+                                 "correct the formula, or end the run "
+                                 "earlier (Time/End time)."));
+              result[side][c] = v;
+            }
+    return result;
+  }
+
+  template <int dim>
+  typename BoundaryConditions<dim>::Sides
+  BoundaryConditions<dim>::wall_displacements(const double time,
+                                              const double time_step) const
+  {
+    const dealii::QGauss<1> gauss(4);
+    Sides                   result;
+    for (unsigned int q = 0; q < gauss.size(); ++q)
       {
-        const double tolerance = 1e-6 * grid.cell_size()[d];
-        if (std::abs(position[d] - grid.lower_corner()[d]) < tolerance)
-          result |= fixed_on_side[2 * d];
-        if (std::abs(position[d] - grid.upper_corner()[d]) < tolerance)
-          result |= fixed_on_side[2 * d + 1];
+        const Sides velocity =
+          wall_velocities(time + gauss.point(q)[0] * time_step);
+        for (unsigned int side = 0; side < 2 * dim; ++side)
+          result[side] += gauss.weight(q) * time_step * velocity[side];
       }
     return result;
+  }
+
+  template <int dim>
+  double
+  BoundaryConditions<dim>::value(const Sides              &sides,
+                                 const dealii::Point<dim> &position,
+                                 const unsigned int        component) const
+  {
+    const auto here = sides_at(position);
+    for (unsigned int side = 0; side < 2 * dim; ++side)
+      if (here[side] && motion[side] && fixed_on_side[side][component])
+        return sides[side][component];
+    return 0.;
   }
 
   template class BoundaryConditions<2>;

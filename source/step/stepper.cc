@@ -16,6 +16,7 @@ namespace emmy
                         dealii::Particles::ParticleHandler<dim> &particles,
                         Phases                                  &phases)
     : grid(grid)
+    , boundary_conditions(boundary_conditions)
     , layout(layout)
     , method(method)
     , solver_parameters(solver_parameters)
@@ -75,6 +76,10 @@ namespace emmy
         solution.displacement = start->mean_velocity;
         solution.displacement *= step.time_step;
         start->active->constraints().set_zero(solution.displacement);
+        if (boundary_conditions.has_moving_walls())
+          solution.displacement += start->active->on_walls(
+            boundary_conditions,
+            boundary_conditions.wall_displacements(time, step.time_step));
 
         solution.newton = Newton(solver_parameters, *linear_solver, phases)
                             .solve(*solution.equation, solution.displacement);
@@ -183,10 +188,13 @@ namespace emmy
     if (!linear_solver)
       linear_solver =
         make_linear_solver(solver_parameters, start.active->n_dofs(), dim);
-    const LinearResult result = map_velocity(method.mapping,
-                                             start.active->make_vector(),
-                                             *linear_solver,
-                                             start);
+    const Vector wall_velocity =
+      boundary_conditions.has_moving_walls()
+        ? start.active->on_walls(boundary_conditions,
+                                 boundary_conditions.wall_velocities(time))
+        : start.active->make_vector();
+    const LinearResult result =
+      map_velocity(method.mapping, wall_velocity, *linear_solver, start);
     throw_together(grid.communicator(),
                    where(),
                    result.is_solved ? ""
@@ -268,6 +276,8 @@ namespace emmy
   {
     using Kind = EnergyEntry::Kind;
     std::vector<EnergyEntry> entries;
+    if (boundary_conditions.has_moving_walls())
+      entries.push_back({"reaction_work", Kind::work, accounts.reaction_work});
     if (method.mapping.lumping > 0.)
       entries.push_back(
         {"lumping_loss", Kind::dissipated, accounts.lumping_loss});

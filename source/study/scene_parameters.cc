@@ -235,6 +235,7 @@ namespace emmy
                        join(material_library<dim>().names()) + ".")
     , body_names("Bodies",
                  "Names of the bodies. Each has a section of its name.")
+    , boundary_conditions(dim)
     , effect_names("Effects",
                    "The effects of the scene beyond inertia and internal "
                    "force: " +

@@ -207,6 +207,20 @@ namespace emmy
   }
 
   template <int dim>
+  Vector
+  ActiveGrid<dim>::on_walls(
+    const BoundaryConditions<dim>                 &boundary_conditions,
+    const typename BoundaryConditions<dim>::Sides &sides) const
+  {
+    Vector result = make_vector();
+    auto   entry  = result.begin();
+    for (unsigned int node = 0; node < n_owned_nodes(); ++node)
+      for (unsigned int c = 0; c < dim; ++c, ++entry)
+        *entry = boundary_conditions.value(sides, node_positions[node], c);
+    return result;
+  }
+
+  template <int dim>
   std::vector<double>
   ActiveGrid<dim>::to_local(const Vector &vector) const
   {

@@ -5,6 +5,7 @@
 #include <emmy/assembly/inertia.h>
 #include <emmy/assembly/internal_force.h>
 #include <emmy/material/hencky.h>
+#include <emmy/material/von_mises.h>
 #include <emmy/particles/gimp.h>
 #include <emmy/step/stepper.h>
 
@@ -27,6 +28,8 @@ namespace emmy
       std::vector<std::string> fixed     = {};
       double                   stiffness = 1e3; ///< Young's modulus, Pa
       bool                     gimp      = false;
+      bool                     plastic   = false;
+      bool                     moving    = false; ///< the side y-min
     };
 
     /**
@@ -52,7 +55,7 @@ namespace emmy
       {
         dealii::ParameterAcceptor::clear();
         grid_parameters     = std::make_unique<GridParameters<dim>>();
-        boundary_parameters = std::make_unique<BoundaryParameters>();
+        boundary_parameters = std::make_unique<BoundaryParameters>(dim);
         solver_parameters   = std::make_unique<SolverParameters>();
 
         // not a cube, not at the origin
@@ -67,6 +70,9 @@ namespace emmy
                                                      MPI_COMM_WORLD);
         boundary_parameters->roller = options.roller;
         boundary_parameters->fixed  = options.fixed;
+        if (options.moving)
+          boundary_parameters->velocities[2] =
+            dim == 2 ? "0.4 + t; -0.3" : "0.4 + t; -0.3; 0.2";
         boundary_conditions =
           std::make_unique<BoundaryConditions<dim>>(*boundary_parameters,
                                                     *grid);
@@ -75,7 +81,13 @@ namespace emmy
         constants.density       = 10.;
         constants.young_modulus = options.stiffness;
         constants.poisson_ratio = 0.3;
-        material = std::make_unique<Hencky<dim>>(constants.completed("test"));
+        constants               = constants.completed("test");
+        if (options.plastic)
+          material = std::make_unique<VonMises<dim>>(
+            constants,
+            YieldSurface{0.05 * options.stiffness, 0.1 * options.stiffness});
+        else
+          material = std::make_unique<Hencky<dim>>(constants);
 
         Effects<dim> effects;
         effects.terms.push_back(std::make_unique<Inertia<dim>>());
@@ -132,19 +144,7 @@ namespace emmy
             for (unsigned int i = 0; i < dim; ++i)
               for (unsigned int j = 0; j < dim; ++j)
                 F[i][j] = (i == j) + random(0.15);
-            MaterialBatch<dim> state;
-            state.n_points = 1;
-            state.left_cauchy_green[0] =
-              mandel::symmetric_part<dim>(F * transpose(F), 1. + random(0.05));
-            material->evaluate(state);
-            for (unsigned int c = 0; c < n_mandel<dim>; ++c)
-              {
-                values[layout["left_cauchy_green"] + c] =
-                  state.left_cauchy_green[0][c];
-                values[layout["kirchhoff_stress"] + c] =
-                  state.kirchhoff_stress[0][c];
-              }
-            values[layout["strain_energy_density"]] = state.stored_energy[0];
+            set_state(F, 1. + random(0.05), values);
             if (layout.has("half_length"))
               for (unsigned int d = 0; d < dim; ++d)
                 values[layout["half_length"] + d] =
@@ -152,6 +152,35 @@ namespace emmy
             insert(id, x, values);
           }
         particles.update_cached_numbers();
+      }
+
+      /** The state of a particle that was deformed by F. */
+      void
+      set_state(const dealii::Tensor<2, dim> &F,
+                const double                  b33,
+                std::vector<double>          &values) const
+      {
+        const auto b = mandel::symmetric_part<dim>(F * transpose(F), b33);
+        MaterialBatch<dim> state;
+        state.n_points             = 1;
+        state.left_cauchy_green[0] = b;
+        state.history.resize(material->history().size());
+        for (auto &history : state.history)
+          history[0] = 0.;
+        material->evaluate(state);
+        const auto set = [&](const char *name, const auto &tensor) {
+          for (unsigned int c = 0; c < n_mandel<dim>; ++c)
+            values[layout[name] + c] = tensor[c];
+        };
+        set("left_cauchy_green", b);
+        set("kirchhoff_stress", state.kirchhoff_stress[0]);
+        values[layout["strain_energy_density"]] = state.stored_energy[0];
+        if (state.history.empty())
+          return;
+        set("elastic_left_cauchy_green", state.left_cauchy_green[0]);
+        values[layout["equivalent_plastic_strain"]] = state.history[0][0];
+        values[layout["hardening_energy_density"]]  = state.hardening_energy[0];
+        values[layout["plastic_dissipation_density"]] = state.dissipation[0];
       }
 
       /** Insert a particle on the rank that owns its cell. */

@@ -110,8 +110,10 @@ namespace
     // the map
     const auto solver =
       make_linear_solver(*cloud.solver_parameters, active.n_dofs(), dim);
-    const Vector resting = active.make_vector();
-    test::check(map_velocity(mapping, resting, *solver, start).is_solved,
+    const auto  &walls = *cloud.boundary_conditions;
+    const Vector wall_velocity =
+      active.on_walls(walls, walls.wall_velocities(0.));
+    test::check(map_velocity(mapping, wall_velocity, *solver, start).is_solved,
                 what + ": the map is solved");
 
     // some Newton iterations, or all it takes
@@ -120,6 +122,7 @@ namespace
     Vector              u        = start.mean_velocity;
     u *= dt;
     active.constraints().set_zero(u);
+    u += active.on_walls(walls, walls.wall_displacements(0., dt));
     cloud.solver_parameters->maximum_iterations = n_iterations;
     const NewtonResult newton =
       Newton(*cloud.solver_parameters, *solver, phases).solve(*equation, u);
@@ -165,10 +168,17 @@ namespace
                            (trial.position(d)[p] - points.position(d)[p]);
             }
         }
-    double stored = 0.;
+    double stored = 0.; // and dissipated
     for (const auto &entry : equation->energies(u))
-      if (entry.name != "load_work")
-        stored += entry.change;
+      {
+        if (entry.kind != EnergyEntry::Kind::work)
+          stored += entry.change;
+        if (entry.name == "plastic_dissipation")
+          test::check(entry.change > 0., what + ": it flows");
+      }
+    test::check(options.moving ? books.reaction_work != 0.
+                               : std::abs(books.reaction_work) == 0.,
+                what + ": only a wall that moves does work");
 
     const double W  = equation->load() * u;
     const double ru = equation->unconstrained_residual() * u;
@@ -341,39 +351,52 @@ namespace
   void
   check_methods()
   {
+    enum Walls
+    {
+      none,
+      resting,
+      moving
+    };
     for (const bool gimp : {false, true})
-      for (const double alpha : {1., 0., 0.7})
-        for (const double epsilon : {0., 0.3, 1.})
-          for (const bool is_walled : {false, true})
-            for (const auto &[walls, name] : wall_mappings)
-              for (const unsigned int n_iterations : {1u, 50u})
-                {
-                  if (!is_walled && walls != Mapping::Walls::constrained)
-                    continue;
-                  test::CloudOptions options;
-                  options.n_points = (dim == 2 ? 6 : 5) * (dim == 2 ? 12 : 36);
-                  options.seed     = 17;
-                  options.gimp     = gimp;
-                  options.gravity  = true;
-                  if (is_walled)
-                    {
-                      options.fixed  = {"y-min"};
-                      options.roller = {"x-max"};
-                    }
-                  Mapping mapping;
-                  mapping.flip_fraction = alpha;
-                  mapping.lumping       = epsilon;
-                  mapping.walls         = walls;
-                  check_step<dim>(
-                    options,
-                    mapping,
-                    n_iterations,
-                    0.02,
-                    std::to_string(dim) + "D, " + (gimp ? "GIMP" : "MPM") +
-                      ", FLIP fraction " + shortest(alpha) + ", epsilon " +
-                      shortest(epsilon) + ", " + (is_walled ? name : "free") +
-                      ", " + std::to_string(n_iterations) + " iterations");
-                }
+      for (const bool plastic : {false, true})
+        for (const double alpha : {1., 0., 0.7})
+          for (const double epsilon : {0., 0.3, 1.})
+            for (const Walls kind : {none, resting, moving})
+              for (const auto &[walls, name] : wall_mappings)
+                for (const unsigned int n_iterations : {1u, 50u})
+                  {
+                    if (kind == none && walls != Mapping::Walls::constrained)
+                      continue;
+                    test::CloudOptions options;
+                    options.n_points = dim == 2 ? 6 * 12 : 5 * 36;
+                    options.seed     = 17;
+                    options.gimp     = gimp;
+                    options.plastic  = plastic;
+                    options.gravity  = true;
+                    if (kind != none)
+                      {
+                        options.fixed  = {"y-min"};
+                        options.roller = {"x-max"};
+                        options.moving = kind == moving;
+                      }
+                    Mapping mapping;
+                    mapping.flip_fraction = alpha;
+                    mapping.lumping       = epsilon;
+                    mapping.walls         = walls;
+                    check_step<dim>(options,
+                                    mapping,
+                                    n_iterations,
+                                    0.02,
+                                    std::to_string(dim) + "D, " +
+                                      (gimp ? "GIMP" : "MPM") +
+                                      (plastic ? ", plastic" : ", elastic") +
+                                      ", FLIP fraction " + shortest(alpha) +
+                                      ", epsilon " + shortest(epsilon) + ", " +
+                                      (kind == none ? "free" : name) +
+                                      (kind == moving ? ", moving" : "") +
+                                      ", " + std::to_string(n_iterations) +
+                                      " iterations");
+                  }
   }
 } // namespace
 

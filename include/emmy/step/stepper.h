@@ -111,6 +111,7 @@ namespace emmy
     where() const;
 
     const BackgroundGrid<dim>               &grid;
+    const BoundaryConditions<dim>           &boundary_conditions;
     const FieldLayout                       &layout;
     const StepMethod<dim>                    method;
     const SolverParameters                  &solver_parameters;

@@ -84,6 +84,14 @@ namespace emmy
     Vector
     make_vector() const;
 
+    /**
+     * A vector of unknowns with what the walls give on the fixed ones, and
+     * zero elsewhere.
+     */
+    Vector
+    on_walls(const BoundaryConditions<dim>                 &boundary_conditions,
+             const typename BoundaryConditions<dim>::Sides &sides) const;
+
     /** The values of a vector at the local nodes: [dim * node + c]. Collective.
      */
     std::vector<double>
