@@ -134,9 +134,8 @@ namespace emmy
     throw_together(grid.communicator(),
                    "GIMP",
                    problem,
-                   "refine no further than the particles stretch: use larger "
-                   "cells (Grid/Cells), more Points per direction, or another "
-                   "Method/Domain update.");
+                   "use larger cells (Grid/Cells), more Points per direction, "
+                   "or another Method/Domain update.");
     std::stable_sort(entries.begin(),
                      entries.end(),
                      [](const Entry &a, const Entry &b) {

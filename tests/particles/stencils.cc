@@ -221,6 +221,19 @@ namespace
                             name + "sum x (x) grad S");
         }
     test::check(n_seen == positions.size(), name + "all points have stencils");
+
+    if (is_gimp)
+      {
+        auto particle = particles.begin();
+        particle->get_properties()[layout["half_length"] + 1] =
+          1.01 * grid.cell_size()[1];
+        test::check_throws_with(
+          [&] { shape_functions->evaluate(particles, grid); },
+          {"GIMP: the domain of particle " + std::to_string(particle->get_id()),
+           "half-length",
+           "along y, more than the cell size",
+           "larger cells"});
+      }
   }
 } // namespace
 

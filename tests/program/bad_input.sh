@@ -231,6 +231,71 @@ if [ "$(id -u)" -ne 0 ]; then # root may write anywhere
   rmdir closed
 fi
 
+echo "Method"
+for epsilon in -0.1 1.5; do
+  refused_set "lumping $epsilon" \
+    "<Method/Lumping> is <$epsilon>|between 0 (consistent) and 1 (lumped)" \
+    "Method/Lumping=$epsilon"
+done
+refused_set 'blend without its fraction' \
+  '<Method/FLIP fraction> is <-1>|Mapping = blend requires it, between 0 (PIC) and 1 (FLIP)' \
+  'Method/Mapping=blend'
+refused 'a fraction above one' '<Method/FLIP fraction> is <1.1>|between 0 (PIC) and 1' \
+  base.prm --set 'Method/Mapping=blend' --set 'Method/FLIP fraction=1.1'
+for mapping in FLIP PIC; do
+  refused "$mapping with a fraction" \
+    "<Method/FLIP fraction> is <0.9>|Mapping = $mapping contradicts it|set Mapping = blend" \
+    base.prm --set "Method/Mapping=$mapping" --set 'Method/FLIP fraction=0.9'
+done
+for walls in unconstrained inelastic; do
+  refused "PIC with $walls walls" \
+    "<Method/Wall mapping> is <$walls>|Mapping = PIC contradicts it|Use constrained" \
+    base.prm --set 'Method/Mapping=PIC' --set "Method/Wall mapping=$walls"
+done
+refused_set 'unknown shape functions' \
+  '<Method/Shape functions> is <quadratic>|one of linear, GIMP' \
+  'Method/Shape functions=quadratic'
+refused_set 'unknown stress rule' '<Method/Stress rule> is <best>|one of conserving' \
+  'Method/Stress rule=best'
+
+echo "Walls"
+refused_set 'velocity of a free side' \
+  '<Boundary conditions/Velocity of y-min> is <t>|this side is free|<Fixed> or <Roller>' \
+  'Boundary conditions/Velocity of y-min=t'
+refused 'velocity with one component of a fixed side' \
+  '<Boundary conditions/Velocity of y-min> is <t>|Write 2 components separated by ;' \
+  base.prm --set 'Boundary conditions/Fixed=y-min' \
+  --set 'Boundary conditions/Velocity of y-min=t'
+refused 'malformed velocity of a roller' \
+  '<Boundary conditions/Velocity of y-min> is <0; x>|Write one formula in t' \
+  base.prm --set 'Boundary conditions/Roller=y-min' \
+  --set 'Boundary conditions/Velocity of y-min=0; x'
+emmy_run base.prm --set 'Boundary conditions/Roller=y-min' \
+  --set 'Boundary conditions/Velocity of y-min=1/(t - 0.25)'
+check 'infinite velocity of a wall: exit code 1' [ "$status" -eq 1 ]
+expect_error 'infinite velocity of a wall' \
+  'Boundary conditions: <Velocity of y-min> is inf m/s at t = 0.25 s|correct the formula'
+check 'infinite velocity of a wall: the ledger has the two accepted rows' \
+  has_lines 4 results/ledger.csv
+rm -rf results
+
+echo "Domains of GIMP"
+# A turn by 90 degrees: F_ii = 0.
+turning='Bodies/block/Initial velocity=-6*(y - 1.5); 6*(x - 1.5)'
+emmy_run base.prm --set 'Method/Shape functions=GIMP' --set 'Method/Domain update=diagF' \
+  --set "$turning" --set 'Time/Step size=0.01'
+check 'vanishing domain: exit code 1' [ "$status" -eq 1 ]
+expect_error 'vanishing domain' \
+  'the half-length of particle|would become|between 1e-6 and 1 of the cell size 1 m|Domain update (stretch does not vanish'
+check 'vanishing domain: run.log tells the reason' \
+  matches results/run.log 'stopped: Step [0-9]+ .* the half-length of particle'
+check 'vanishing domain: the last accepted step is there' \
+  matches results/run.log '^steps [1-9][0-9]*, t = 0.2'
+rm -rf results
+emmy_run base.prm --set 'Method/Shape functions=GIMP' --set "$turning" \
+  --set 'Time/Step size=0.01' --set 'Time/End time=0.3'
+check 'turning with stretch: runs' [ "$status" -eq 0 ]
+rm -rf results
 echo "Command line"
 refused 'no file' 'no parameter file|name one' --check
 refused 'two files' 'two parameter files, <base.prm> and <b.prm>|give one' base.prm b.prm

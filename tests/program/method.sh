@@ -1,0 +1,123 @@
+#!/bin/sh
+# What the choices of section Method, and walls that move, put into a scene:
+# the numbers that a particle carries, the columns of the ledger, and nothing
+# where they are not chosen.
+#
+# Usage: method.sh EMMY SOURCE_ROOT
+set -u
+
+[ $# -eq 2 ] || { echo "usage: method.sh EMMY SOURCE_ROOT" >&2; exit 2; }
+# shellcheck source=tests/program/checks.sh
+. "$2/tests/program/checks.sh"
+emmy=$(absolute "$1")
+cd "$work" || exit 2
+mkdir run && cd run || exit 2
+tiny_scene >base.prm
+
+# columns FOLDER: the ledger's columns of energy between grid and residuals
+columns()
+{
+  head -n 1 "$1/ledger.csv" |
+    sed -e 's/.*kinetic_energy_grid_new,//' -e 's/,residual_work.*//'
+}
+
+# last FOLDER COLUMN: its last value
+last()
+{
+  awk -F , -v name="$2" '
+    NR == 1 { for (i = 1; i <= NF; ++i) if ($i == name) c = i }
+    END { print c ? $c : "none" }' "$1/ledger.csv"
+}
+
+# is EXPRESSION: true for awk
+is()
+{
+  awk "BEGIN { exit !($1) }"
+}
+
+# a block that hits the floor askew, turning
+cat >scene.prm <<'END'
+include base.prm
+subsection Bodies
+  subsection block
+    set Initial velocity = 0.5 - 0.5*(y - 1.5); -1 + 0.5*(x - 1.5)
+  end
+end
+subsection Boundary conditions
+  set Fixed = y-min
+end
+subsection Time
+  set End time  = 1
+  set Step size = 0.05
+end
+END
+
+# scene FOLDER ARGUMENTS...: run it; every joule must be accounted for
+scene()
+{
+  folder=$1
+  shift
+  emmy_run scene.prm --set "Output/Directory=$folder" --set 'Output/Frames=1' "$@"
+  check "$folder: runs" [ "$status" -eq 0 ]
+  check "$folder: balance" is "($(last "$folder" balance_error))^2 < 1e-26"
+}
+
+# carries FOLDER NUMBER: so many numbers per particle
+carries()
+{
+  check "$1: $2 numbers a particle" matches "$1/run.log" "^ *particles .* $2 numbers each"
+}
+
+scene plain
+check 'plain: columns' [ "$(columns plain)" = strain_energy ]
+carries plain 14
+check 'plain: the block does hit the floor' is "$(last plain strain_energy) > 1e-3"
+
+echo "Domains"
+scene GIMP --set 'Method/Shape functions=GIMP' --set 'Method/Domain update=none'
+check 'GIMP: columns' [ "$(columns GIMP)" = strain_energy ]
+carries GIMP 16
+for update in detF corners; do
+  scene $update --set 'Method/Shape functions=GIMP' --set "Method/Domain update=$update"
+  carries $update 16
+done
+for update in diagF stretch; do
+  scene $update --set 'Method/Shape functions=GIMP' --set "Method/Domain update=$update"
+  carries $update 20
+  check "$update: the deformation gradient is in the output" \
+    says $update/fields.txt deformation_gradient
+done
+check 'updates differ' not cmp -s detF/ledger.csv stretch/ledger.csv
+scene unused --set 'Method/Domain update=corners'
+check 'an update without GIMP changes nothing' cmp -s plain/ledger.csv unused/ledger.csv
+
+echo "Mapping and mass"
+scene PIC --set 'Method/Mapping=PIC'
+check 'PIC: columns' [ "$(columns PIC)" = strain_energy,mapping_loss ]
+carries PIC 14
+check 'PIC: it loses energy' is "$(last PIC mapping_loss) > 1e-3"
+scene blend --set 'Method/Mapping=blend' --set 'Method/FLIP fraction=0.9'
+check 'blend: it loses energy' is "$(last blend mapping_loss) > 1e-4"
+scene all-flip --set 'Method/Mapping=blend' --set 'Method/FLIP fraction=1'
+check 'a blend of FLIP alone is FLIP' cmp -s plain/ledger.csv all-flip/ledger.csv
+for epsilon in 0.3 1; do
+  scene lumped --overwrite --set "Method/Lumping=$epsilon"
+  check "lumping $epsilon: columns" [ "$(columns lumped)" = strain_energy,lumping_loss ]
+  check "lumping $epsilon: it loses energy" is "$(last lumped lumping_loss) > 1e-4"
+done
+
+echo "Walls"
+scene bounce --set 'Method/Wall mapping=unconstrained'
+check 'unconstrained: columns' [ "$(columns bounce)" = strain_energy ]
+scene inelastic --set 'Method/Wall mapping=inelastic'
+check 'inelastic: columns' [ "$(columns inelastic)" = strain_energy,wall_loss ]
+check 'inelastic: the wall takes energy' is "$(last inelastic wall_loss) > 1e-3"
+scene moving --set 'Boundary conditions/Velocity of y-min=0; 0.3*sin(2*pi*t)'
+check 'moving: columns' [ "$(columns moving)" = strain_energy,reaction_work ]
+carries moving 14
+check 'moving: the wall does work' is "($(last moving reaction_work))^2 > 1e-6"
+scene still --set 'Boundary conditions/Velocity of y-min=0; 0*t'
+check 'a wall of velocity zero rests' \
+  [ "$(last still kinetic_energy)" = "$(last plain kinetic_energy)" ]
+
+finish
