@@ -34,12 +34,20 @@ namespace emmy
               << ">\n";
     }
 
+    /** What is known of a run on the way. */
+    struct Course
+    {
+      StepReport   report;              ///< of the last accepted step
+      double       largest_energy = 0.; ///< of all steps, J
+      unsigned int n_damped       = 0;  ///< steps with a damped matrix
+    };
+
     /** The closing lines of a run: what was conserved, and how well. */
     void
     summarise(std::ostream     &out,
               const Ledger     &ledger,
               const StepReport &initial,
-              const double      largest_energy)
+              const Course     &course)
     {
       double smallest = 0., largest = 0.;
       for (unsigned int row = 1; row < ledger.rows().size(); ++row)
@@ -57,16 +65,18 @@ namespace emmy
         out << "work of loads " << ledger["load_work"] << " J\n";
       out << "work of residuals " << ledger["residual_work"] << " J\n"
           << "balance error " << ledger["balance_error"] << " J";
-      if (largest_energy > 0.)
-        out << ", " << std::abs(ledger["balance_error"]) / largest_energy
+      if (course.largest_energy > 0.)
+        out << ", " << std::abs(ledger["balance_error"]) / course.largest_energy
             << " of the largest energy";
       out << '\n';
+      if (course.n_damped > 0)
+        out << "steps with a singular Newton matrix, damped: "
+            << course.n_damped << " (named in run.log)\n";
     }
 
     /**
-     * Step after step until the limits are met. @p report is the last accepted
-     * step and @p largest_energy, J, that of all steps, also when this throws.
-     * Collective.
+     * Step after step until the limits are met. @p course is right also when
+     * this throws. Collective.
      */
     template <int dim>
     void
@@ -75,9 +85,9 @@ namespace emmy
                    Ledger               &ledger,
                    Frames<dim>          &frames,
                    Progress             &progress,
-                   StepReport           &report,
-                   double               &largest_energy)
+                   Course               &course)
     {
+      StepReport &report = course.report;
       // a step that ends within round-off of the end time is the last
       while (report.time < limits.end_time * (1. - 1e-12) &&
              (limits.maximum_steps == 0 || report.step < limits.maximum_steps))
@@ -92,13 +102,15 @@ namespace emmy
                          "check the folder's permissions and the disk's free "
                          "space. What was written so far is kept.");
           frames.after(report);
-          largest_energy = std::max(largest_energy, ledger.total_energy());
+          course.largest_energy =
+            std::max(course.largest_energy, ledger.total_energy());
+          course.n_damped += report.is_damped;
           progress.step(report.step,
                         report.time,
                         report.time_step,
                         report.newton_iterations,
-                        largest_energy > 0.
-                          ? ledger["balance_error"] / largest_energy
+                        course.largest_energy > 0.
+                          ? ledger["balance_error"] / course.largest_energy
                           : 0.);
         }
     }
@@ -122,12 +134,12 @@ namespace emmy
     const SceneParameters<dim> parameters(file);
     parameters.output.validate();
     parameters.solver.validate(); // not only when the first step needs it
-    Scene<dim> scene(parameters, communicator);
-    StepReport report = scene.stepper.initial_report();
+    Scene<dim>       scene(parameters, communicator);
+    const StepReport initial = scene.stepper.initial_report();
 
     if (options.only_check)
       {
-        scene.describe(screen, report);
+        scene.describe(screen, initial);
         list_unused_sections(file, parameters, screen);
         return;
       }
@@ -147,13 +159,12 @@ namespace emmy
 
     std::ostringstream head;
     head << "emmy " EMMY_VERSION ": " << directory.path() << '\n';
-    scene.describe(head, report);
+    scene.describe(head, initial);
     list_unused_sections(file, parameters, head);
     screen << head.str() << std::flush;
     log << head.str() << std::flush;
 
-    const StepReport initial = report;
-    Ledger           ledger(initial, dim);
+    Ledger ledger(initial, dim);
     if (is_first)
       ledger.write_to(directory.file("ledger.csv"));
     Frames<dim> frames(scene, parameters, directory);
@@ -168,16 +179,11 @@ namespace emmy
     // ranks throw it together; any other error passes, as one rank alone can
     // not finish the output.
     std::exception_ptr failure;
-    double             largest_energy = ledger.total_energy();
+    Course             course{initial, ledger.total_energy(), 0};
     try
       {
-        advance_to_end(scene,
-                       parameters.time,
-                       ledger,
-                       frames,
-                       progress,
-                       report,
-                       largest_energy);
+        advance_to_end(
+          scene, parameters.time, ledger, frames, progress, course);
       }
     catch (const ExcRun &error)
       {
@@ -186,12 +192,12 @@ namespace emmy
       }
     progress.finish();
     for (const std::string &warning :
-         frames.finish(report, /*is_complete=*/!failure))
+         frames.finish(course.report, /*is_complete=*/!failure))
       progress.note(warning);
 
     std::ostringstream tail;
     tail << "linear solver " << scene.stepper.solver_name() << '\n';
-    summarise(tail, ledger, initial, largest_energy);
+    summarise(tail, ledger, initial, course);
     scene.phases.print(tail);
     screen << tail.str() << std::flush;
     log << tail.str() << std::flush;

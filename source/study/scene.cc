@@ -194,6 +194,14 @@ namespace emmy
           }
         out << '\n';
       }
+    const MethodParameters &method = parameters.method;
+    line("method") << method.shape_functions
+                   << (method.shape_functions == "GIMP"
+                         ? " (domains: " + method.domain_update + ")"
+                         : std::string())
+                   << ", " << method.mapping << ", lumping " << mapping.lumping
+                   << ", " << method.stress_rule << " stress, "
+                   << method.wall_mapping << " walls\n";
     line("effects") << (parameters.effect_names.names.empty()
                           ? "none beyond inertia and internal force"
                           : join(parameters.effect_names.names))

@@ -273,6 +273,13 @@ namespace
                                    start.momentum.l1_norm()),
                       what + ": linear momentum");
 
+    test::check_close((before.linear -
+                       total(times(start.mass, start.velocity)) - total(iota))
+                        .norm(),
+                      0.,
+                      tolerance * start.momentum.l1_norm(),
+                      what + ": linear momentum through the map (table 1)");
+
     double     J_scale = before.angular_size + after.angular_size;
     const auto moment  = [&](const std::vector<double> &x,
                             const Vector              &vector) {
