@@ -15,10 +15,12 @@ namespace emmy
     section.add_parameter("Amplitude",
                           expression,
                           "Factor of the load, a formula in the time t (s): "
-                          "if(t <= 25, t/25, 0). Unit: 1.");
+                          "sin(2*pi*t). Unit: 1. For a jump use <Amplitude "
+                          "table>: the times of steps are sums with round-off, "
+                          "and a formula may jump a step too early.");
     section.add_parameter("Amplitude table",
                           table,
-                          "The same as pairs <time: value>, with straight "
+                          "The factor as pairs <time: value>, with straight "
                           "lines between them and constant beyond the ends: "
                           "0: 0, 25: 1, 25: 0. Times must not decrease; two "
                           "equal ones are a jump, and at the time itself the "

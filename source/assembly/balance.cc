@@ -142,20 +142,22 @@ namespace emmy
   double
   StepEquation<dim>::size(const Vector &increment) const
   {
-    const ActiveGrid<dim> &active  = *step.start.active;
-    const auto             u       = active.to_local(increment);
-    double                 largest = 0.;
+    // sum |dS/dx_j| is at most 2/h: most often this is enough
+    const ActiveGrid<dim> &active = *step.start.active;
+    const double           bound =
+      2. * dim * increment.linfty_norm() / active.smallest_cell_size();
+    if (bound < 0.1)
+      return bound;
+
+    const auto u       = active.to_local(increment);
+    double     largest = 0.;
     for (const auto &group : step.stencils.groups)
       for (unsigned int q = 0; q < group.n_points; ++q)
-        {
-          dealii::Tensor<2, dim> H;
-          for (unsigned int a = 0; a < group.n_nodes; ++a)
-            for (unsigned int i = 0; i < dim; ++i)
-              for (unsigned int j = 0; j < dim; ++j)
-                H[i][j] += u[dim * active.nodes(group)[a] + i] *
-                           step.stencils.gradient(group, a, j)[q];
-          largest = std::max(largest, H.norm_square());
-        }
+        largest =
+          std::max(largest,
+                   step.stencils
+                     .displacement_gradient(group, q, active.nodes(group), u)
+                     .norm_square());
     return std::sqrt(
       dealii::Utilities::MPI::max(largest, active.communicator()));
   }

@@ -120,7 +120,7 @@ namespace emmy
     {
       return "particle " + std::to_string(particle.get_id()) + " at (" +
              dealii::Patterns::Tools::to_string(particle.get_location()) +
-             ") m is turned inside out (det of the step's deformation "
+             ") m is turned inside out within the step (det of its deformation "
              "gradient is not positive)";
     }
   } // namespace

@@ -181,7 +181,8 @@ namespace emmy
     const unsigned int any = std::numeric_limits<unsigned int>::max();
     this->add_parameter("Force",
                         force,
-                        "Components of the whole force, separated by ;. The "
+                        "Components of the whole force, separated by ;. A "
+                        "scene has one such load. The "
                         "amplitude multiplies it. Unit: N (per metre of "
                         "thickness in plane strain). Required if point load "
                         "is named.",

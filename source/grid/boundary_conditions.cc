@@ -131,6 +131,15 @@ namespace emmy
 
   template <int dim>
   bool
+  BoundaryConditions<dim>::has_walls() const
+  {
+    return std::any_of(fixed_on_side.begin(),
+                       fixed_on_side.end(),
+                       [](const auto &fixed) { return fixed.any(); });
+  }
+
+  template <int dim>
+  bool
   BoundaryConditions<dim>::has_moving_walls() const
   {
     return std::any_of(motion.begin(), motion.end(), [](const auto &wall) {

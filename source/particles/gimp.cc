@@ -60,47 +60,38 @@ namespace emmy
   {}
 
   template <int dim>
-  typename GimpShapeFunctions<dim>::Overlap
-  GimpShapeFunctions<dim>::overlap(
-    const dealii::Point<dim>              &x,
-    const dealii::ArrayView<const double> &properties,
-    const BackgroundGrid<dim>             &grid) const
+  void
+  GimpShapeFunctions<dim>::set_overlap(const BackgroundGrid<dim> &grid,
+                                       Entry                     &entry) const
   {
-    Overlap result;
+    const dealii::Point<dim> x          = entry.particle->get_location();
+    const auto               properties = entry.particle->get_properties();
     for (unsigned int d = 0; d < dim; ++d)
       {
         const double h     = grid.cell_size()[d];
         const double below = std::max(0., x[d] - grid.lower_corner()[d]),
                      above = std::max(0., grid.upper_corner()[d] - x[d]);
-        const double l =
+        double l =
           std::min({(1. - shrinkage) * properties[half_length_component + d],
                     below,
                     above});
-        const double n_last   = grid.n_cells()[d] - 1;
-        const double first    = std::floor((below - l) / h);
-        const double last     = l < smallest_half_length * h
-                                  ? first
-                                  : std::ceil((below + l) / h) - 1.;
-        result.first[d]       = std::min(n_last, std::max(0., first));
-        result.last[d]        = std::min(n_last, std::max(first, last));
-        result.half_length[d] = l;
+        if (l < smallest_half_length * h)
+          l = 0.;
+        const double n_last = grid.n_cells()[d] - 1;
+        const double first  = std::floor((below - l) / h);
+        const double last   = l == 0. ? first : std::ceil((below + l) / h) - 1.;
+        entry.first[d]      = std::min(n_last, std::max(0., first));
+        entry.last[d]       = std::min(n_last, std::max(first, last));
+        entry.half_length[d] = l;
       }
-    return result;
   }
 
   template <int dim>
-  Stencils<dim>
-  GimpShapeFunctions<dim>::evaluate(
+  std::vector<typename GimpShapeFunctions<dim>::Entry>
+  GimpShapeFunctions<dim>::sorted_entries(
     const dealii::Particles::ParticleHandler<dim> &particles,
     const BackgroundGrid<dim>                     &grid) const
   {
-    using ParticleIterator = typename Stencils<dim>::ParticleIterator;
-    struct Entry
-    {
-      std::array<unsigned int, 2 * dim + 1> key; // cells, body
-      ParticleIterator                      particle;
-      Overlap                               domain;
-    };
     std::vector<Entry> entries;
     entries.reserve(particles.n_locally_owned_particles());
     std::string problem;
@@ -119,16 +110,10 @@ namespace emmy
               shortest(properties[half_length_component + d]) + " m along " +
               "xyz"[d] + ", more than the cell size " +
               shortest(grid.cell_size()[d]) + " m";
-        Entry entry{{},
-                    particle,
-                    overlap(particle->get_location(), properties, grid)};
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            entry.key[d]       = entry.domain.first[d];
-            entry.key[dim + d] = entry.domain.last[d];
-          }
-        entry.key[2 * dim] =
-          static_cast<unsigned int>(properties[body_component]);
+        Entry entry;
+        entry.particle = particle;
+        entry.body     = static_cast<unsigned int>(properties[body_component]);
+        set_overlap(grid, entry);
         entries.push_back(entry);
       }
     throw_together(grid.communicator(),
@@ -139,98 +124,142 @@ namespace emmy
     std::stable_sort(entries.begin(),
                      entries.end(),
                      [](const Entry &a, const Entry &b) {
-                       return a.key < b.key;
+                       return a.key() < b.key();
                      });
+    return entries;
+  }
 
-    Stencils<dim>     stencils;
-    std::vector<Cell> overlapped;
+  namespace
+  {
+    /** A node's place in a box of nodes, x fastest. */
+    template <int dim>
+    std::array<unsigned int, dim>
+    place(unsigned int node, const std::array<unsigned int, dim> &n_nodes)
+    {
+      std::array<unsigned int, dim> index;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          index[d] = node % n_nodes[d];
+          node /= n_nodes[d];
+        }
+      return index;
+    }
+
+    /** Nodes per direction of a box of cells. */
+    template <int dim>
+    std::array<unsigned int, dim>
+    nodes_of(const typename BackgroundGrid<dim>::Lattice &first,
+             const typename BackgroundGrid<dim>::Lattice &last)
+    {
+      std::array<unsigned int, dim> n_nodes;
+      for (unsigned int d = 0; d < dim; ++d)
+        n_nodes[d] = last[d] - first[d] + 2;
+      return n_nodes;
+    }
+  } // namespace
+
+  template <int dim>
+  void
+  GimpShapeFunctions<dim>::add_nodes(const Entry               &entry,
+                                     const BackgroundGrid<dim> &grid,
+                                     Group                     &group,
+                                     Stencils<dim>             &stencils,
+                                     std::vector<Cell> &overlapped) const
+  {
+    const auto n_nodes = nodes_of<dim>(entry.first, entry.last);
+    group.first_node   = stencils.node_ids.size();
+    group.n_nodes      = 1;
+    for (const unsigned int n : n_nodes)
+      group.n_nodes *= n;
+    for (unsigned int a = 0; a < group.n_nodes; ++a)
+      {
+        // a cell that has the node, and which of its vertices that is
+        const auto   index = place<dim>(a, n_nodes);
+        Lattice      lattice;
+        unsigned int vertex = 0;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            lattice[d] = std::min(entry.first[d] + index[d], entry.last[d]);
+            vertex |= (entry.first[d] + index[d] - lattice[d]) << d;
+          }
+        const Cell cell = grid.cell_at(lattice);
+        Assert(cell != grid.triangulation().end(),
+               dealii::ExcMessage("A domain reaches beyond the ghost layer."));
+        if (vertex == 0)
+          overlapped.push_back(cell);
+        stencils.node_ids.push_back(grid.node_ids(cell)[vertex]);
+      }
+  }
+
+  template <int dim>
+  void
+  GimpShapeFunctions<dim>::add_weights(const Entry               *first,
+                                       const BackgroundGrid<dim> &grid,
+                                       const Group               &group,
+                                       Stencils<dim> &stencils) const
+  {
+    const auto               n_nodes = nodes_of<dim>(first->first, first->last);
+    const dealii::Point<dim> origin  = grid.cell_at(first->first)->vertex(0);
+    stencils.values.resize(group.first_value +
+                           std::size_t(group.n_nodes) * group.n_points);
+    stencils.gradients.resize(dim * stencils.values.size());
+    std::array<std::array<Weight, 4>, dim> weights;
+    for (unsigned int q = 0; q < group.n_points; ++q)
+      {
+        const Entry             &entry = first[q];
+        const dealii::Point<dim> x     = entry.particle->get_location();
+        for (unsigned int d = 0; d < dim; ++d)
+          gimp_weights(x[d] - origin[d],
+                       entry.half_length[d],
+                       grid.cell_size()[d],
+                       n_nodes[d] - 1,
+                       weights[d].data());
+        for (unsigned int a = 0; a < group.n_nodes; ++a)
+          {
+            const auto index = place<dim>(a, n_nodes);
+            double     value = 1.;
+            for (unsigned int d = 0; d < dim; ++d)
+              value *= weights[d][index[d]].value;
+            stencils.values[group.first_value + a * group.n_points + q] = value;
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                double slope = weights[d][index[d]].slope;
+                for (unsigned int e = 0; e < dim; ++e)
+                  if (e != d)
+                    slope *= weights[e][index[e]].value;
+                stencils.gradients[dim * group.first_value +
+                                   (a * dim + d) * group.n_points + q] = slope;
+              }
+          }
+      }
+  }
+
+  template <int dim>
+  Stencils<dim>
+  GimpShapeFunctions<dim>::evaluate(
+    const dealii::Particles::ParticleHandler<dim> &particles,
+    const BackgroundGrid<dim>                     &grid) const
+  {
+    const std::vector<Entry> entries = sorted_entries(particles, grid);
+    Stencils<dim>            stencils;
+    std::vector<Cell>        overlapped;
     stencils.particles.reserve(entries.size());
     for (const Entry &entry : entries)
       stencils.particles.push_back(entry.particle);
 
-    for (std::size_t first = 0; first < entries.size();)
+    for (std::size_t first = 0, last = 0; first < entries.size(); first = last)
       {
-        std::size_t last = first;
-        while (last < entries.size() && entries[last].key == entries[first].key)
+        while (last < entries.size() &&
+               entries[last].key() == entries[first].key())
           ++last;
-        typename Stencils<dim>::Group group;
+        Group group;
         group.first_point = first;
         group.n_points    = last - first;
-        group.body        = entries[first].key[2 * dim];
-        group.first_node  = stencils.node_ids.size();
+        group.body        = entries[first].body;
         group.first_value = stencils.values.size();
-
-        // the nodes of the overlapped box of cells, x fastest
-        const Lattice &low  = entries[first].domain.first,
-                      &high = entries[first].domain.last;
-        std::array<unsigned int, dim> n_in; // nodes per direction
-        group.n_nodes = 1;
-        for (unsigned int d = 0; d < dim; ++d)
-          group.n_nodes *= n_in[d] = high[d] - low[d] + 2;
-        const auto place = [&n_in](unsigned int node) {
-          std::array<unsigned int, dim> index;
-          for (unsigned int d = 0; d < dim; ++d, node /= n_in[d - 1])
-            index[d] = node % n_in[d];
-          return index;
-        };
-        for (unsigned int a = 0; a < group.n_nodes; ++a)
-          {
-            Lattice      lattice;
-            unsigned int vertex  = 0;
-            bool         is_cell = true; // the node is its lower corner
-            const auto   index   = place(a);
-            for (unsigned int d = 0; d < dim; ++d)
-              {
-                lattice[d] = std::min(low[d] + index[d], high[d]);
-                vertex |= (low[d] + index[d] - lattice[d]) << d;
-                is_cell = is_cell && low[d] + index[d] <= high[d];
-              }
-            const Cell cell = grid.cell_at(lattice);
-            Assert(cell != grid.triangulation().end(),
-                   dealii::ExcMessage(
-                     "A domain reaches beyond the ghost layer"));
-            if (is_cell)
-              overlapped.push_back(cell);
-            stencils.node_ids.push_back(grid.node_ids(cell)[vertex]);
-          }
-
-        const dealii::Point<dim> origin = grid.cell_at(low)->vertex(0);
-        stencils.values.resize(group.first_value +
-                               std::size_t(group.n_nodes) * group.n_points);
-        stencils.gradients.resize(dim * stencils.values.size());
-        std::array<std::array<Weight, 4>, dim> weights;
-        for (unsigned int q = 0; q < group.n_points; ++q)
-          {
-            const Entry &entry = entries[first + q];
-            const auto  &x     = entry.particle->get_location();
-            for (unsigned int d = 0; d < dim; ++d)
-              gimp_weights(x[d] - origin[d],
-                           entry.domain.half_length[d],
-                           grid.cell_size()[d],
-                           n_in[d] - 1,
-                           weights[d].data());
-            for (unsigned int a = 0; a < group.n_nodes; ++a)
-              {
-                const auto index = place(a);
-                double     value = 1.;
-                for (unsigned int d = 0; d < dim; ++d)
-                  value *= weights[d][index[d]].value;
-                stencils.values[group.first_value + a * group.n_points + q] =
-                  value;
-                for (unsigned int d = 0; d < dim; ++d)
-                  {
-                    double slope = weights[d][index[d]].slope;
-                    for (unsigned int e = 0; e < dim; ++e)
-                      if (e != d)
-                        slope *= weights[e][index[e]].value;
-                    stencils.gradients[dim * group.first_value +
-                                       (a * dim + d) * group.n_points + q] =
-                      slope;
-                  }
-              }
-          }
+        add_nodes(entries[first], grid, group, stencils, overlapped);
+        add_weights(&entries[first], grid, group, stencils);
         stencils.groups.push_back(group);
-        first = last;
       }
 
     std::sort(overlapped.begin(), overlapped.end());

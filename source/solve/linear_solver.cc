@@ -6,6 +6,8 @@
 #include <emmy/base/text.h>
 #include <emmy/solve/linear_solver.h>
 
+#include <algorithm>
+
 namespace emmy
 {
   namespace TW = dealii::TrilinosWrappers;
@@ -41,7 +43,11 @@ namespace emmy
                   dealii::Patterns::Double(0., 1.));
     add_parameter("Maximum iterations",
                   maximum_iterations,
-                  "Newton iterations after which a step is given up.",
+                  "Newton iterations after which a try is given up: the "
+                  "plain one, then one with a damped matrix, then the step is "
+                  "halved. Few steps need more than 5; a particle alone among "
+                  "new nodes may need many, and then half the step does not "
+                  "help.",
                   prm,
                   dealii::Patterns::Integer(1));
   }
@@ -251,6 +257,8 @@ namespace emmy
       return residual.l2_norm();
     };
     double norm = update_residual(x);
+    // walls that move bring momentum into a body at rest, where b is zero
+    const double scale = std::max(b.l2_norm(), norm);
     for (unsigned int i = 0; i < max_refinements && norm > 0.; ++i)
       {
         const LinearResult solve =
@@ -268,11 +276,11 @@ namespace emmy
         norm = better_norm;
       }
     // far above round-off, far below what a ledger would show
-    if (norm > 1e-10 * b.l2_norm())
+    if (norm > 1e-10 * scale)
       {
         result.is_solved = false;
         result.problem   = "the residual of the point-to-grid map stays at " +
-                         shortest(norm / b.l2_norm()) + " of the momentum";
+                         shortest(norm / scale) + " of the momentum";
       }
     return result;
   }

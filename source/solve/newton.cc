@@ -212,8 +212,8 @@ namespace emmy
     const Vector start = solution;
     Iteration    first(*this, equation, solution);
     plain(first);
-    // a first try that was not even begun has a start without meaning
-    if (first.result.is_converged || first.result.iterations == 0)
+    // without a residual the start has no meaning: no second try can begin
+    if (first.result.is_converged || first.result.residual_history.empty())
       return first.result;
 
     solution = start;
@@ -221,6 +221,7 @@ namespace emmy
     damped(second);
     NewtonResult result = second.result;
     result.is_damped    = true;
+    result.first_try    = first.result.problem;
     result.iterations += first.result.iterations;
     result.linear_iterations += first.result.linear_iterations;
     if (!result.is_converged)
@@ -241,7 +242,7 @@ namespace emmy
           return;
         while (mu < 0.1 &&
                iteration.equation.size(iteration.increment) > largest_size)
-          if (!iteration.find_increment(mu *= 10.))
+          if (!iteration.find_increment(mu *= 100.))
             return;
 
         bool has_meaning = iteration.take();
@@ -290,7 +291,7 @@ namespace emmy
         const bool has_stalled = measure > 0.5 * measure_before;
         if (has_stalled && iteration.is_left_over())
           {
-            iteration.result.is_converged = true;
+            iteration.result.is_converged = iteration.result.leaves_rest = true;
             return;
           }
         mu = is_better ? std::max(least_damping, 0.1 * mu)

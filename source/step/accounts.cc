@@ -9,7 +9,7 @@ namespace emmy
     void
     add_works(const GridStart<dim>    &start,
               const StepEquation<dim> &equation,
-              const Mapping           &mapping,
+              const PointMapping      &mapping,
               const Vector            &displacement,
               const Vector            &velocity_new,
               StepAccounts            &result)
@@ -37,7 +37,7 @@ namespace emmy
       Vector misfit = misfit_of(start.mapped_velocity);
       switch (mapping.walls)
         {
-          case Mapping::Walls::constrained:
+          case PointMapping::Walls::constrained:
             {
               // what the map leaves on fixed unknowns is the walls' impulse
               const auto [free, fixed] = split(misfit);
@@ -45,10 +45,10 @@ namespace emmy
               result.reaction_work += fixed * change;
               break;
             }
-          case Mapping::Walls::unconstrained:
+          case PointMapping::Walls::unconstrained:
             result.residual_work += misfit * change;
             break;
-          case Mapping::Walls::inelastic:
+          case PointMapping::Walls::inelastic:
             {
               result.residual_work += misfit * change;
               // M~ w is the impulse with which the walls stop the grid
@@ -69,7 +69,7 @@ namespace emmy
     void
     add_mapping_losses(const StepData<dim> &step,
                        const FieldLayout   &layout,
-                       const Mapping       &mapping,
+                       const PointMapping  &mapping,
                        const Vector        &velocity_new,
                        StepAccounts        &result)
     {
@@ -119,7 +119,7 @@ namespace emmy
   accounts(const StepData<dim>     &step,
            const StepEquation<dim> &equation,
            const FieldLayout       &layout,
-           const Mapping           &mapping,
+           const PointMapping      &mapping,
            const Vector            &displacement,
            const Vector            &velocity_new)
   {
@@ -135,14 +135,14 @@ namespace emmy
   accounts<2>(const StepData<2> &,
               const StepEquation<2> &,
               const FieldLayout &,
-              const Mapping &,
+              const PointMapping &,
               const Vector &,
               const Vector &);
   template StepAccounts
   accounts<3>(const StepData<3> &,
               const StepEquation<3> &,
               const FieldLayout &,
-              const Mapping &,
+              const PointMapping &,
               const Vector &,
               const Vector &);
 } // namespace emmy

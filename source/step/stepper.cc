@@ -48,8 +48,10 @@ namespace emmy
     Solution solution = solve(stencils, points);
 
     // grid -> particles
-    move(stencils, points, solution);
-    const StepReport result = report(solution, stencils, points);
+    const StepReport result = timed("accounts", [&] {
+      move(stencils, points, solution);
+      return report(solution, stencils, points);
+    });
     timed("grid to particles", [&] {
       grid_to_particles(
         stencils, solution.equation->trial(), layout, grid, particles);
@@ -88,11 +90,14 @@ namespace emmy
             if (solution.newton.is_damped)
               solution.notes.push_back(
                 where() +
-                ": Newton's matrix was singular and had to be "
-                "damped; |r| is " +
-                brief(solution.newton.residual_history.back() /
-                      solution.equation->scale()) +
-                " of the forces");
+                ": Newton converged only with a damped matrix (first " +
+                solution.newton.first_try + ")" +
+                (solution.newton.leaves_rest
+                   ? "; |r| stays at " +
+                       brief(solution.equation->residual().l2_norm() /
+                             solution.equation->scale()) +
+                       " of the forces"
+                   : std::string()));
             break;
           }
         if (halvings == limits.maximum_halvings)
@@ -102,9 +107,10 @@ namespace emmy
             "Newton does not converge, with the step halved " +
               std::to_string(halvings) + " times to " + brief(step.time_step) +
               " s: " + solution.newton.problem,
-            "the last accepted state was kept. Use a smaller Time/Factor or "
-            "Step size, more Points per direction, or a stiffer or finer "
-            "model; Time/Maximum halvings allows smaller steps.");
+            "the last accepted state was kept. Use more Points per "
+            "direction, a larger Solver/Maximum iterations, a smaller "
+            "Time/Factor or Step size, or a stiffer or finer model; "
+            "Time/Maximum halvings allows smaller steps.");
         solution.notes.push_back(where() + ": " + solution.newton.problem +
                                  "; halved to " + brief(0.5 * step.time_step) +
                                  " s");
@@ -284,7 +290,7 @@ namespace emmy
     if (method.mapping.flip_fraction < 1.)
       entries.push_back(
         {"mapping_loss", Kind::dissipated, accounts.mapping_loss});
-    if (method.mapping.walls == Mapping::Walls::inelastic)
+    if (method.mapping.walls == PointMapping::Walls::inelastic)
       entries.push_back({"wall_loss", Kind::dissipated, accounts.wall_loss});
     return entries;
   }

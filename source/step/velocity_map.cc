@@ -4,10 +4,10 @@ namespace emmy
 {
   template <int dim>
   LinearResult
-  map_velocity(const Mapping  &mapping,
-               const Vector   &wall_velocity,
-               LinearSolver   &linear_solver,
-               GridStart<dim> &start)
+  map_velocity(const PointMapping &mapping,
+               const Vector       &wall_velocity,
+               LinearSolver       &linear_solver,
+               GridStart<dim>     &start)
   {
     const auto &walls = start.active->constraints();
     // the map with and without the essential conditions
@@ -24,7 +24,7 @@ namespace emmy
     // The vectors of the step before may be distributed in another way, which
     // Trilinos vectors do not notice when they are copied into: so move.
     LinearResult result;
-    if (mapping.walls != Mapping::Walls::unconstrained)
+    if (mapping.walls != PointMapping::Walls::unconstrained)
       {
         Vector velocity = start.mean_velocity;
         walls.set_zero(velocity);
@@ -32,7 +32,7 @@ namespace emmy
         result         = solve(start.damped_mass, walls, velocity);
         start.velocity = std::move(velocity);
       }
-    if (result.is_solved && mapping.walls != Mapping::Walls::constrained)
+    if (result.is_solved && mapping.walls != PointMapping::Walls::constrained)
       {
         dealii::AffineConstraints<double> none;
         none.close();
@@ -42,20 +42,20 @@ namespace emmy
         result.iterations += so_far;
         start.mapped_velocity = std::move(velocity);
       }
-    if (mapping.walls == Mapping::Walls::constrained)
+    if (mapping.walls == PointMapping::Walls::constrained)
       start.mapped_velocity = Vector(start.velocity);
-    if (mapping.walls == Mapping::Walls::unconstrained)
+    if (mapping.walls == PointMapping::Walls::unconstrained)
       start.velocity = Vector(start.mapped_velocity);
     return result;
   }
 
   template LinearResult
-  map_velocity<2>(const Mapping &,
+  map_velocity<2>(const PointMapping &,
                   const Vector &,
                   LinearSolver &,
                   GridStart<2> &);
   template LinearResult
-  map_velocity<3>(const Mapping &,
+  map_velocity<3>(const PointMapping &,
                   const Vector &,
                   LinearSolver &,
                   GridStart<3> &);

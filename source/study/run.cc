@@ -70,8 +70,8 @@ namespace emmy
             << " of the largest energy";
       out << '\n';
       if (course.n_damped > 0)
-        out << "steps with a singular Newton matrix, damped: "
-            << course.n_damped << " (named in run.log)\n";
+        out << "steps that needed a damped Newton matrix: " << course.n_damped
+            << " (named in run.log)\n";
     }
 
     /**

@@ -101,6 +101,18 @@ namespace emmy
       return std::make_unique<LinearShapeFunctions<dim>>(layout["body"]);
     }
 
+    /** Without walls there is no choice of what the map does at them. */
+    template <int dim>
+    PointMapping
+    make_mapping(const MethodParameters        &method,
+                 const BoundaryConditions<dim> &boundary_conditions)
+    {
+      PointMapping mapping = method.make_mapping();
+      if (!boundary_conditions.has_walls())
+        mapping.walls = PointMapping::Walls::constrained;
+      return mapping;
+    }
+
     template <int dim>
     std::unique_ptr<DomainUpdate<dim>>
     make_updates(const MethodParameters       &method,
@@ -127,7 +139,7 @@ namespace emmy
     , balance(make_effects(parameters, material_of_body, layout))
     , shape_functions(make_shape_functions<dim>(parameters.method, layout))
     , domain_update(make_updates(parameters.method, bodies, grid, layout))
-    , mapping(parameters.method.make_mapping())
+    , mapping(make_mapping(parameters.method, boundary_conditions))
     , step_rule(make_step_rule(parameters.time, grid, material_of_body, layout))
     , stepper(grid,
               boundary_conditions,
@@ -200,8 +212,10 @@ namespace emmy
                          ? " (domains: " + method.domain_update + ")"
                          : std::string())
                    << ", " << method.mapping << ", lumping " << mapping.lumping
-                   << ", " << method.stress_rule << " stress, "
-                   << method.wall_mapping << " walls\n";
+                   << ", " << method.stress_rule << " stress";
+    if (boundary_conditions.has_walls())
+      out << ", " << method.wall_mapping << " walls";
+    out << '\n';
     line("effects") << (parameters.effect_names.names.empty()
                           ? "none beyond inertia and internal force"
                           : join(parameters.effect_names.names))
@@ -220,10 +234,15 @@ namespace emmy
     const std::size_t bytes = 8 * (layout.n_components() + 2 * dim) + 4;
     const std::size_t step_bytes =
       8 * (2 * (layout.n_components() + dim) +
-           BackgroundGrid<dim>::nodes_per_cell * (dim + 1));
-    // mass, damped mass, tangent: a number and an index per entry
+           (method.shape_functions == "GIMP"
+              ? dealii::Utilities::pow(3, dim)
+              : BackgroundGrid<dim>::nodes_per_cell) *
+             (dim + 1));
+    // mass, damped mass with and without walls, tangent: a number and an index
+    // per entry
     const double matrix_bytes =
-      3. * 12. * stepper.grid_start().mass.n_nonzero_elements();
+      (mapping.walls == PointMapping::Walls::constrained ? 3. : 4.) * 12. *
+      stepper.grid_start().mass.n_nonzero_elements();
     line("particles") << initial.totals.particles << ", "
                       << layout.n_components() << " numbers each, " << bytes
                       << " bytes, together "

@@ -2,6 +2,7 @@
 #include <emmy/base/text.h>
 #include <emmy/material/stress_rules.h>
 #include <emmy/study/scene_parameters.h>
+#include <emmy/transfer/domain_update.h>
 
 #include <algorithm>
 #include <sstream>
@@ -52,7 +53,7 @@ namespace emmy
                   "stretch: as the diagonal of sqrt(F^T F). corners: as the "
                   "extent of the moved corners, with the volume of F.",
                   prm,
-                  Selection("none|detF|diagF|stretch|corners"));
+                  Selection(domain_update_names()));
     add_parameter("Mapping",
                   mapping,
                   "FLIP: particles take the change of the grid's velocity. "
@@ -94,7 +95,7 @@ namespace emmy
                   Selection("constrained|unconstrained|inelastic"));
   }
 
-  Mapping
+  PointMapping
   MethodParameters::make_mapping() const
   {
     const auto require = [this](const bool         condition,
@@ -128,14 +129,14 @@ namespace emmy
                    : "particles would take the bounce of the fixed nodes.") +
                 " Use constrained, or Mapping = FLIP or blend.");
 
-    Mapping result;
+    PointMapping result;
     result.lumping = lumping;
     result.flip_fraction =
       mapping == "FLIP" ? 1. : (mapping == "PIC" ? 0. : flip_fraction);
-    result.walls = wall_mapping == "constrained" ? Mapping::Walls::constrained
-                   : wall_mapping == "inelastic"
-                     ? Mapping::Walls::inelastic
-                     : Mapping::Walls::unconstrained;
+    result.walls =
+      wall_mapping == "constrained" ? PointMapping::Walls::constrained
+      : wall_mapping == "inelastic" ? PointMapping::Walls::inelastic
+                                    : PointMapping::Walls::unconstrained;
     return result;
   }
 

@@ -59,6 +59,13 @@ namespace emmy
   }
 
   template <int dim>
+  double
+  ActiveGrid<dim>::smallest_cell_size() const
+  {
+    return grid.smallest_cell_size();
+  }
+
+  template <int dim>
   unsigned int
   ActiveGrid<dim>::local_index(const global_dof_index grid_id) const
   {

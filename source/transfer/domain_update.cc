@@ -1,3 +1,4 @@
+#include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
 #include <emmy/math/spectral.h>
 #include <emmy/transfer/domain_update.h>
@@ -89,19 +90,13 @@ namespace emmy
           for (unsigned int q = 0; q < group.n_points; ++q)
             {
               const std::size_t      p = group.first_point + q;
-              dealii::Tensor<2, dim> F_old, H;
+              dealii::Tensor<2, dim> F_old;
               for (unsigned int i = 0; i < dim; ++i)
                 for (unsigned int j = 0; j < dim; ++j)
                   F_old[i][j] =
                     points.component(deformation_gradient + dim * i + j)[p];
-              for (unsigned int a = 0; a < group.n_nodes; ++a)
-                {
-                  const double *u =
-                    displacement.data() + dim * active.nodes(group)[a];
-                  for (unsigned int i = 0; i < dim; ++i)
-                    for (unsigned int j = 0; j < dim; ++j)
-                      H[i][j] += u[i] * stencils.gradient(group, a, j)[q];
-                }
+              const dealii::Tensor<2, dim> H = stencils.displacement_gradient(
+                group, q, active.nodes(group), displacement);
               const dealii::Tensor<2, dim> F = F_old + H * F_old;
               for (unsigned int i = 0; i < dim; ++i)
                 for (unsigned int j = 0; j < dim; ++j)
@@ -173,8 +168,11 @@ namespace emmy
                   dealii::Point<dim> x = points.point(p);
                   for (unsigned int d = 0; d < dim; ++d)
                     x[d] += (corner >> d) & 1 ? l[d] : -l[d];
-                  x = grid.clamped(x);
-                  x += displacement_at(x, group, active, displacement);
+                  // the grid ends at its edge, the domain need not
+                  x += displacement_at(grid.clamped(x),
+                                       group,
+                                       active,
+                                       displacement);
                   for (unsigned int d = 0; d < dim; ++d)
                     {
                       lowest[d] =
@@ -194,7 +192,7 @@ namespace emmy
       }
 
     private:
-      /** With hats: a corner lies in a cell that the domain overlaps. */
+      /** With the hats of the group's nodes. */
       dealii::Tensor<1, dim>
       displacement_at(const dealii::Point<dim>  &x,
                       const Group<dim>          &group,
@@ -216,7 +214,8 @@ namespace emmy
             for (unsigned int c = 0; c < dim; ++c)
               result[c] += weight * displacement[dim * node + c];
           }
-        // one but for corners a hair outside the overlapped cells
+        // one but for corners outside the overlapped cells, which clipping at
+        // the grid's edge makes possible
         return result / sum;
       }
 
@@ -233,10 +232,11 @@ namespace emmy
                              const BackgroundGrid<dim> &grid,
                              const PointArrays<dim>    &trial)
   {
+    const unsigned int half_length = layout["half_length"];
     for (std::size_t p = 0; p < trial.n_points(); ++p)
       for (unsigned int d = 0; d < dim; ++d)
         {
-          const double l = trial.component(layout["half_length"] + d)[p],
+          const double l = trial.component(half_length + d)[p],
                        h = grid.cell_size()[d];
           if (!(l > 1e-6 * h && l <= h))
             return "the half-length of particle " +
@@ -248,6 +248,12 @@ namespace emmy
                    shortest(h) + " m";
         }
     return "";
+  }
+
+  std::string
+  domain_update_names()
+  {
+    return "none|detF|diagF|stretch|corners";
   }
 
   template <int dim>
@@ -268,7 +274,12 @@ namespace emmy
                                                    layout);
     if (name == "corners")
       return std::make_unique<CornerUpdate<dim>>(initial, grid, layout);
-    AssertThrow(name == "none", dealii::ExcNotImplemented());
+    AssertThrow(name == "none",
+                ExcParameter("Method",
+                             "Domain update",
+                             name,
+                             "it must be one of " + domain_update_names() +
+                               "."));
     return nullptr;
   }
 

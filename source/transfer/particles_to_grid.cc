@@ -27,7 +27,7 @@ namespace emmy
     const BackgroundGrid<dim>     &grid,
     const BoundaryConditions<dim> &boundary_conditions,
     const FieldLayout             &layout,
-    const Mapping                 &mapping)
+    const PointMapping            &mapping)
     : grid(grid)
     , boundary_conditions(boundary_conditions)
     , mapping(mapping)
@@ -48,7 +48,7 @@ namespace emmy
                                                   boundary_conditions);
         start.mass.reinit(start.active->sparsity());
         start.damped_mass.reinit(start.active->sparsity());
-        if (mapping.walls != Mapping::Walls::constrained)
+        if (mapping.walls != PointMapping::Walls::constrained)
           start.damped_mass_without_walls.reinit(start.active->sparsity());
         start.momentum      = start.active->make_vector();
         start.mean_velocity = start.active->make_vector();
@@ -66,9 +66,10 @@ namespace emmy
     const ActiveGrid<dim> &active  = *start.active;
     const double          *mass    = points.component(mass_component);
     const double           epsilon = mapping.lumping;
-    const bool without_walls = mapping.walls != Mapping::Walls::constrained;
-    start.mass               = 0.;
-    start.damped_mass        = 0.;
+    const bool             without_walls =
+      mapping.walls != PointMapping::Walls::constrained;
+    start.mass        = 0.;
+    start.damped_mass = 0.;
     if (without_walls)
       start.damped_mass_without_walls = 0.;
 

@@ -89,6 +89,27 @@ state()
   (cd "$1" && find . | sort && find . -type f -exec cksum {} + | sort)
 }
 
+# columns FOLDER: the ledger's columns between the grid's kinetic energies and
+# the work of residuals
+columns()
+{
+  sed -n '1s/.*kinetic_energy_grid_new,\(.*\),residual_work.*/\1/p' "$1/ledger.csv"
+}
+
+# last FOLDER COLUMN: its value at the end of the run
+last()
+{
+  awk -F , -v name="$2" '
+    NR == 1 { for (i = 1; i <= NF; ++i) if ($i == name) column = i }
+    END { print (column ? $column : "none") }' "$1/ledger.csv"
+}
+
+# is EXPRESSION: of numbers, true
+is()
+{
+  awk "BEGIN { exit !($1) }"
+}
+
 # tiny_scene: sixteen particles in flight, in two dimensions
 tiny_scene()
 {

@@ -10,30 +10,10 @@ set -u
 # shellcheck source=tests/program/checks.sh
 . "$2/tests/program/checks.sh"
 emmy=$(absolute "$1")
+root=$(absolute "$2")
 cd "$work" || exit 2
 mkdir run && cd run || exit 2
 tiny_scene >base.prm
-
-# columns FOLDER: the ledger's columns of energy between grid and residuals
-columns()
-{
-  head -n 1 "$1/ledger.csv" |
-    sed -e 's/.*kinetic_energy_grid_new,//' -e 's/,residual_work.*//'
-}
-
-# last FOLDER COLUMN: its last value
-last()
-{
-  awk -F , -v name="$2" '
-    NR == 1 { for (i = 1; i <= NF; ++i) if ($i == name) c = i }
-    END { print c ? $c : "none" }' "$1/ledger.csv"
-}
-
-# is EXPRESSION: true for awk
-is()
-{
-  awk "BEGIN { exit !($1) }"
-}
 
 # a block that hits the floor askew, turning
 cat >scene.prm <<'END'
@@ -116,8 +96,31 @@ scene moving --set 'Boundary conditions/Velocity of y-min=0; 0.3*sin(2*pi*t)'
 check 'moving: columns' [ "$(columns moving)" = strain_energy,reaction_work ]
 carries moving 14
 check 'moving: the wall does work' is "($(last moving reaction_work))^2 > 1e-6"
+scene carried --set 'Bodies/block/Initial velocity=0; 0' \
+  --set 'Bodies/block/box/Lower corner=1, 0' --set 'Boundary conditions/Velocity of y-min=0.1; 0'
+check 'a wall carries along a block at rest' is "$(last carried linear_momentum_x) > 1e-3"
 scene still --set 'Boundary conditions/Velocity of y-min=0; 0*t'
 check 'a wall of velocity zero rests' \
   [ "$(last still kinetic_energy)" = "$(last plain kinetic_energy)" ]
+
+scene no-walls --set 'Boundary conditions/Fixed=' --set 'Method/Wall mapping=inelastic' \
+  --set 'Time/End time=0.2'
+check 'a wall mapping without walls: no column' [ "$(columns no-walls)" = strain_energy ]
+
+echo "The examples of the paper"
+# paper SCENE NUMBERS BYTES COLUMNS: what a particle carries, what the ledger holds
+paper()
+{
+  emmy_run "$root/prm/paper/$1.prm" --set "Output/Directory=$1" --set 'Output/Frames=0' \
+    --set 'Output/Pictures=false' --set 'Time/Maximum steps=1'
+  check "$1: runs" [ "$status" -eq 0 ]
+  check "$1: bytes a particle" matches "$1/run.log" "^ *particles .* $2 numbers each, $3 bytes"
+  check "$1: columns" [ "$(columns "$1")" = "$4" ]
+}
+paper 7.1a 21 204 strain_energy,load_work
+paper 7.1b 21 204 strain_energy,load_work
+paper 7.2 14 148 strain_energy
+paper 7.3a 21 204 strain_energy,hardening_energy,plastic_dissipation
+paper 7.3b 27 252 strain_energy,hardening_energy,plastic_dissipation
 
 finish

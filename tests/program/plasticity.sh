@@ -30,20 +30,6 @@ ran()
   check "$name: exit code 0" [ "$status" -eq 0 ]
 }
 
-# last FOLDER COLUMN: its value at the end of the run
-last()
-{
-  awk -F , -v name="$2" '
-    NR == 1 { for (i = 1; i <= NF; ++i) if ($i == name) column = i }
-    END { print (column ? $column : "none") }' "$1/ledger.csv"
-}
-
-# is EXPRESSION: of numbers, true
-is()
-{
-  awk "BEGIN { exit !($1) }"
-}
-
 # first FOLDER COLUMN: its value at the start of the run
 first()
 {
@@ -61,13 +47,6 @@ balances()
   spin=$(first "$1" angular_momentum_z)
   check "$1: keeps angular momentum" \
     is "($(last "$1" angular_momentum_z) - ($spin))^2 < (1e-12 * $spin)^2"
-}
-
-# columns FOLDER: the names of its ledger between the grid's kinetic energies
-# and the work of residuals
-columns()
-{
-  sed -n '1s/.*kinetic_energy_grid_new,\(.*\),residual_work.*/\1/p' "$1/ledger.csv"
 }
 
 echo "Elastic"
@@ -136,6 +115,17 @@ for rule in mid-point trapezoidal end-point; do
     balances "$here"
   done
 done
+# the yield stress of a tension test is sqrt(3/2) times the deviatoric radius
+ran 'uniaxial' plastic.prm --set "$moving" --set 'Output/Directory=uniaxial' \
+  --set 'Materials/rubber/Hardening modulus=0' \
+  --set 'Materials/rubber/Yield stress=2.4494897427831781'
+ran 'deviatoric' plastic.prm --set "$moving" --set 'Output/Directory=deviatoric' \
+  --set 'Materials/rubber/Hardening modulus=0' --set 'Materials/rubber/Yield measure=deviatoric'
+for column in kinetic_energy strain_energy plastic_dissipation; do
+  check "uniaxial and deviatoric: $column" \
+    is "($(last uniaxial $column) - ($(last deviatoric $column)))^2 < 1e-24"
+done
+check 'uniaxial and deviatoric: both flow' is "$(last deviatoric plastic_dissipation) > 1e-3"
 check 'conserving: no column of losses' [ "$(last plastic stress_rule_loss)" = none ]
 
 finish

@@ -101,7 +101,7 @@ namespace
     check_close(largest(run["time_step"]), 0.6264, 5e-5, "7.1a: time step, s");
     check(run.scene->ledger["step"] == 240, "7.1a: 240 steps");
     check(run.n_halvings == 0, "7.1a: no step is halved");
-    check(run.n_damped <= 12, "7.1a: a handful of singular matrices");
+    check(run.n_damped <= 9, "7.1a: a handful of singular matrices");
     check_energy(run, 1e-8);
     check(run["load_work"][39] != run["load_work"][38] &&
             run["load_work"][40] == run["load_work"][39],
@@ -141,7 +141,7 @@ namespace
                 661e3,
                 1e3,
                 "7.1b: energy after unloading, J");
-    check(corrected.n_halvings <= 8, "7.1b: few steps are halved");
+    check(corrected.n_halvings <= 4, "7.1b: few steps are halved");
 
     const Run printed(folder + "/7.1b.prm",
                       {"Time/Step rule=fixed", "Time/Step size=0.2194"});
@@ -180,13 +180,14 @@ namespace
       }
     std::cout << n_regular << " of " << dt.size() - 1
               << " steps between 0.06020 and 0.06023 s\n";
-    check(n_regular + 10 >= dt.size(), "7.3b: the step of the paper");
+    check(n_regular == dt.size() - 1, "7.3b: the step of the paper");
+    // what Newton's tolerance leaves at wild nodes is booked in residual_work
     at_most("drift of kinetic + strain energy + dissipation",
             largest(drift),
-            1e-9);
+            1e-8);
     at_most("|balance error| / initial energy",
             largest(run["balance_error"]) / kinetic[0],
-            1e-12);
+            1e-11);
   }
 
   /** The first steps of the beam, and of a collision, on all ranks. */
@@ -214,6 +215,28 @@ namespace
                                 "active_dofs"});
     };
     compare(ParameterFile(folder + "/7.1a.prm"), 30, "7.1a");
+    // from the first contact on; what Newton leaves must not hide behind it
+    ParameterFile cylinders(folder + "/7.3b.prm");
+    cylinders.set("Solver/Newton tolerance=1e-15");
+    compare(cylinders, 50, "7.3b");
+    // a block that meets a moving wall, with every choice of Method once
+    const std::vector<std::vector<std::string>> methods{
+      {"Mapping=PIC", "Lumping=0.3"},
+      {"Mapping=blend", "FLIP fraction=0.7", "Wall mapping=inelastic"},
+      {"Wall mapping=unconstrained", "Shape functions=GIMP"},
+      {"Stress rule=mid-point", "Lumping=1", "Shape functions=GIMP"}};
+    for (const auto &method : methods)
+      {
+        ParameterFile file =
+          ParameterFile::from_text(test::collision_text(4), "test");
+        file.set("Boundary conditions/Fixed=y-min");
+        file.set("Boundary conditions/Roller=x-max");
+        file.set("Boundary conditions/Velocity of y-min=0.2; 0.1*sin(t)");
+        file.set("Bodies/left/ball/Center=1.9, 0.9");
+        for (const std::string &entry : method)
+          file.set("Method/" + entry);
+        compare(file, 10, join(method));
+      }
     for (const char *update : {"none", "detF", "diagF", "stretch", "corners"})
       {
         ParameterFile file =

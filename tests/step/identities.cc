@@ -73,7 +73,7 @@ namespace
   template <int dim>
   void
   check_step(const test::CloudOptions &options,
-             const Mapping            &mapping,
+             const PointMapping       &mapping,
              const unsigned int        n_iterations,
              const double              dt,
              const std::string        &what)
@@ -91,7 +91,7 @@ namespace
                                            mapping);
     GridStart<dim>      &start  = particles_to_grid(stencils, points);
     const auto          &active = *start.active;
-    const Mapping        plain;
+    const PointMapping   plain;
     ParticlesToGrid<dim> consistent(*cloud.grid,
                                     *cloud.boundary_conditions,
                                     cloud.layout,
@@ -205,15 +205,34 @@ namespace
     vanishes(books.lumping_loss - 0.5 * X.matrix_norm_square(change),
              "the lumping loss is Dv.X Dv/2");
     test::check(books.lumping_loss >= 0., what + ": lumping takes energy");
+    // works of walls in closed form, on fixed unknowns: of the reactions R, and
+    // of what the map leaves there (W1) or the impulse that stops the grid (W3)
+    const auto on_fixed = [&](const Vector &a, const Vector &b) {
+      Vector fixed = a, free = a;
+      active.constraints().set_zero(free);
+      fixed -= free;
+      return fixed * b;
+    };
     Vector stopped = start.mapped_velocity;
     stopped -= start.velocity;
+    Vector misfit = start.momentum;
+    misfit -= times(start.mass, start.velocity);
+    double wall_work = on_fixed(equation->unconstrained_residual(), u);
+    if (mapping.walls == PointMapping::Walls::constrained)
+      wall_work += on_fixed(misfit, change);
+    if (mapping.walls == PointMapping::Walls::inelastic)
+      wall_work -= on_fixed(times(start.mass, stopped), start.velocity);
+    vanishes(books.reaction_work - wall_work, "the work of walls");
+    if (newton.is_converged)
+      test::check(std::abs(books.residual_work) < 1e-8 * scale,
+                  what + ": residuals do next to no work");
     vanishes(books.wall_loss - 0.5 * start.mass.matrix_norm_square(stopped),
              "the wall loss is w.M~ w/2");
     if (mapping.flip_fraction == 0.)
       vanishes(K_new - 0.5 * M.matrix_norm_square(v_new),
                "PIC: particles have the energy v.M v/2 of the grid");
     const bool is_free = active.constraints().n_constraints() == 0 ||
-                         mapping.walls != Mapping::Walls::constrained;
+                         mapping.walls != PointMapping::Walls::constrained;
     if (is_free)
       vanishes(K_old - K_mapped - unresolved -
                  0.5 * X.matrix_norm_square(start.mapped_velocity),
@@ -312,10 +331,10 @@ namespace
                       what + ": angular momentum through the map");
   }
 
-  const std::vector<std::pair<Mapping::Walls, std::string>> wall_mappings{
-    {Mapping::Walls::constrained, "W1"},
-    {Mapping::Walls::unconstrained, "W2"},
-    {Mapping::Walls::inelastic, "W3"}};
+  const std::vector<std::pair<PointMapping::Walls, std::string>> wall_mappings{
+    {PointMapping::Walls::constrained, "W1"},
+    {PointMapping::Walls::unconstrained, "W2"},
+    {PointMapping::Walls::inelastic, "W3"}};
 
   /** Numbers of points, gravity, kinds of walls, Newton stopped or not. */
   template <int dim>
@@ -339,7 +358,7 @@ namespace
               if (walls == 2)
                 options.fixed = {"y-min"};
               check_step<dim>(options,
-                              Mapping(),
+                              PointMapping(),
                               n_iterations,
                               0.02,
                               std::to_string(dim) + "D, " +
@@ -372,7 +391,8 @@ namespace
               for (const auto &[walls, name] : wall_mappings)
                 for (const unsigned int n_iterations : {1u, 50u})
                   {
-                    if (kind == none && walls != Mapping::Walls::constrained)
+                    if (kind == none &&
+                        walls != PointMapping::Walls::constrained)
                       continue;
                     test::CloudOptions options;
                     options.n_points = dim == 2 ? 6 * 12 : 5 * 36;
@@ -386,7 +406,7 @@ namespace
                         options.roller = {"x-max"};
                         options.moving = kind == moving;
                       }
-                    Mapping mapping;
+                    PointMapping mapping;
                     mapping.flip_fraction = alpha;
                     mapping.lumping       = epsilon;
                     mapping.walls         = walls;

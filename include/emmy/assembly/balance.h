@@ -59,13 +59,16 @@ namespace emmy
     scale() const override;
     double
     work_scale() const override;
-    /** The largest norm of a displacement gradient at a particle. */
+    /**
+     * The largest norm of a displacement gradient at a particle; where it is
+     * surely below 0.1, an upper bound.
+     */
     double
     size(const Vector &increment) const override;
     const std::string &
     problem() const override;
 
-    /** The residual before constraints: minus the reactions on fixed ones. */
+    /** The residual before constraints: the reactions on fixed unknowns. */
     const Vector &
     unconstrained_residual() const;
 

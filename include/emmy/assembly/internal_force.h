@@ -101,7 +101,8 @@ namespace emmy
                            const std::size_t       first,
                            PointArrays<dim>       &trial) const;
 
-    /** Work f.u of the force of this rank's points, J. Collective. */
+    /** Work of the stress at this rank's points, sum V0 P : H, J. Collective.
+     */
     double
     work(const StepData<dim> &step, const Vector &displacement) const;
 

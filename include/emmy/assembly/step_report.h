@@ -41,7 +41,7 @@ namespace emmy
     double        residual_work     = 0.;
     unsigned int  newton_iterations = 0, linear_iterations = 0;
     std::uint64_t active_cells = 0, active_dofs = 0;
-    /** Whether Newton needed a damped matrix: the true one was singular. */
+    /** Whether Newton converged only with a damped matrix. */
     bool is_damped = false;
     /** Things worth a line in the log. */
     std::vector<std::string> notes;

@@ -52,6 +52,10 @@ namespace emmy
     std::bitset<dim>
     fixed_components(const dealii::Point<dim> &position) const;
 
+    /** Whether any side of the grid is fixed. */
+    bool
+    has_walls() const;
+
     /** Whether any wall moves. If not, do not ask the rest. */
     bool
     has_moving_walls() const;

@@ -4,6 +4,8 @@
 #include <emmy/particles/field_layout.h>
 #include <emmy/particles/stencils.h>
 
+#include <tuple>
+
 namespace emmy
 {
   /** A shape function in one direction and its derivative with respect to x. */
@@ -66,18 +68,47 @@ namespace emmy
   private:
     using Cell    = typename BackgroundGrid<dim>::Cell;
     using Lattice = typename BackgroundGrid<dim>::Lattice;
+    using Group   = typename Stencils<dim>::Group;
 
-    /** The part of the grid that a particle's domain overlaps. */
-    struct Overlap
+    /** A particle, and the part of the grid that its domain overlaps. */
+    struct Entry
     {
-      Lattice first, last; ///< cells
+      typename Stencils<dim>::ParticleIterator particle;
+      unsigned int                             body;
+      Lattice                                  first, last; ///< cells
       /** Half-lengths as used, m: shrunk by round-off and clipped. */
       dealii::Tensor<1, dim> half_length;
+
+      /** Entries of one group have the same. */
+      auto
+      key() const
+      {
+        return std::tie(first, last, body);
+      }
     };
-    Overlap
-    overlap(const dealii::Point<dim>              &x,
-            const dealii::ArrayView<const double> &properties,
-            const BackgroundGrid<dim>             &grid) const;
+
+    /** The particles of this rank, sorted into groups. Collective; throws. */
+    std::vector<Entry>
+    sorted_entries(const dealii::Particles::ParticleHandler<dim> &particles,
+                   const BackgroundGrid<dim>                     &grid) const;
+
+    void
+    set_overlap(const BackgroundGrid<dim> &grid, Entry &entry) const;
+
+    /** The nodes of the cells of a group, x fastest; and those cells. */
+    void
+    add_nodes(const Entry               &entry,
+              const BackgroundGrid<dim> &grid,
+              Group                     &group,
+              Stencils<dim>             &stencils,
+              std::vector<Cell>         &overlapped) const;
+
+    /** S and grad S of the particles of a group, @p first and following. */
+    void
+    add_weights(const Entry               *first,
+                const BackgroundGrid<dim> &grid,
+                const Group               &group,
+                Stencils<dim>             &stencils) const;
 
     const unsigned int body_component, half_length_component;
   };

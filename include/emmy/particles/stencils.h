@@ -63,6 +63,25 @@ namespace emmy
       return gradients.data() + dim * group.first_value +
              (node * dim + d) * group.n_points;
     }
+
+    /**
+     * H = sum u_a (x) grad S_a at point q of a group.
+     * @param nodes local indices of the group's nodes
+     * @param u     displacements at local nodes, [dim * node + c]
+     */
+    dealii::Tensor<2, dim>
+    displacement_gradient(const Group               &group,
+                          const unsigned int         q,
+                          const unsigned int        *nodes,
+                          const std::vector<double> &u) const
+    {
+      dealii::Tensor<2, dim> H;
+      for (unsigned int a = 0; a < group.n_nodes; ++a)
+        for (unsigned int i = 0; i < dim; ++i)
+          for (unsigned int j = 0; j < dim; ++j)
+            H[i][j] += u[dim * nodes[a] + i] * gradient(group, a, j)[q];
+      return H;
+    }
   };
 
   /** How points and nodes are connected: linear functions or GIMP. */

@@ -19,7 +19,7 @@ namespace emmy
     std::string  preconditioner     = "ILU";
     double       linear_tolerance   = 1e-8;
     double       newton_tolerance   = 1e-11;
-    unsigned int maximum_iterations = 20;
+    unsigned int maximum_iterations = 100;
 
     explicit SolverParameters(const std::string &path = "Solver");
 

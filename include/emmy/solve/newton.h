@@ -18,10 +18,15 @@ namespace emmy
     unsigned int linear_iterations = 0;
     /** sum |r||du| of each iteration (Pretti et al. 2023, sec. 3.4). */
     std::vector<double> work_history;
-    /** |r| before the first and after each iteration. */
+    /** |r| before the first and after each iteration that was kept. */
     std::vector<double> residual_history;
-    /** Whether the plain method failed and the damped one took over. */
+    /** Whether the plain try failed and the damped one took over. */
     bool is_damped = false;
+    /** Whether a rest was left that could not be lowered and does not matter.
+     */
+    bool leaves_rest = false;
+    /** Why the plain try failed, if it did. */
+    std::string first_try;
     /** Why it did not converge, in words; the same on all ranks. */
     std::string problem;
   };

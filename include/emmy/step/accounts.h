@@ -48,7 +48,7 @@ namespace emmy
   accounts(const StepData<dim>     &step,
            const StepEquation<dim> &equation,
            const FieldLayout       &layout,
-           const Mapping           &mapping,
+           const PointMapping      &mapping,
            const Vector            &displacement,
            const Vector            &velocity_new);
 } // namespace emmy

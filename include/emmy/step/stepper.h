@@ -17,7 +17,7 @@ namespace emmy
   {
     const ShapeFunctions<dim> &shape_functions;
     const DomainUpdate<dim>   *domain_update; ///< null: domains stay
-    const Mapping             &mapping;
+    const PointMapping        &mapping;
     const StepRule<dim>       &step_rule;
     const Balance<dim>        &balance;
   };

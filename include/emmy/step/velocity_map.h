@@ -16,10 +16,10 @@ namespace emmy
    */
   template <int dim>
   LinearResult
-  map_velocity(const Mapping  &mapping,
-               const Vector   &wall_velocity,
-               LinearSolver   &linear_solver,
-               GridStart<dim> &start);
+  map_velocity(const PointMapping &mapping,
+               const Vector       &wall_velocity,
+               LinearSolver       &linear_solver,
+               GridStart<dim>     &start);
 } // namespace emmy
 
 #endif

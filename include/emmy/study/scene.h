@@ -38,7 +38,7 @@ namespace emmy
     Balance<dim>                            balance;
     std::unique_ptr<ShapeFunctions<dim>>    shape_functions;
     std::unique_ptr<DomainUpdate<dim>>      domain_update; ///< GIMP only
-    Mapping                                 mapping;
+    PointMapping                            mapping;
     std::unique_ptr<StepRule<dim>>          step_rule;
     dealii::Particles::ParticleHandler<dim> particles;
     Stepper<dim>                            stepper;

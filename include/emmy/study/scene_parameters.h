@@ -51,7 +51,7 @@ namespace emmy
     MethodParameters();
 
     /** Check what belongs to the mapping. Throws ExcParameter. */
-    Mapping
+    PointMapping
     make_mapping() const;
   };
 

@@ -111,6 +111,10 @@ namespace emmy
     MPI_Comm
     communicator() const;
 
+    /** Of the background grid, m. */
+    double
+    smallest_cell_size() const;
+
     const dealii::IndexSet &
     dofs() const
     {

@@ -45,8 +45,13 @@ namespace emmy
             const PointArrays<dim>    &trial);
   };
 
+  /** The names of the updates, separated by |. */
+  std::string
+  domain_update_names();
+
   /**
-   * The update that the name stands for; with F = deformation gradient:
+   * The update that the name stands for, one of domain_update_names(); with F =
+   * deformation gradient:
    * - none: l = l0; null, as there is nothing to do;
    * - detF: l = l0 (det F)^(1/dim);
    * - diagF: l_i = l0_i F_ii, which can vanish under rotation;

@@ -15,7 +15,7 @@ namespace emmy
   gather(const Stencils<dim> &stencils, const FieldLayout &layout);
 
   /** How masses and velocities go to the grid and come back. */
-  struct Mapping
+  struct PointMapping
   {
     /** epsilon of M~ = (1 - epsilon) M + epsilon M_lumped (eq. 18). */
     double lumping = 0.;
@@ -90,7 +90,7 @@ namespace emmy
     ParticlesToGrid(const BackgroundGrid<dim>     &grid,
                     const BoundaryConditions<dim> &boundary_conditions,
                     const FieldLayout             &layout,
-                    const Mapping                 &mapping);
+                    const PointMapping            &mapping);
 
     /**
      * Renew active nodes, mass and momentum. The velocity is left to the
@@ -111,7 +111,7 @@ namespace emmy
 
     const BackgroundGrid<dim>     &grid;
     const BoundaryConditions<dim> &boundary_conditions;
-    const Mapping                 &mapping;
+    const PointMapping            &mapping;
     const unsigned int             mass_component, velocity_component;
     GridStart<dim>                 start;
   };
