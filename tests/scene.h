@@ -85,7 +85,10 @@ namespace emmy
       check(value <= limit, what);
     }
 
-    /** Columns of the ledger differ by at most 1e-10 of their largest value. */
+    /**
+     * Columns of the ledger differ by at most 1e-10 of their largest value;
+     * energies of the largest of them all.
+     */
     template <int dim>
     void
     check_same_ledgers(const RunningScene<dim>        &one_rank,
@@ -100,8 +103,11 @@ namespace emmy
           std::vector<double> difference;
           for (unsigned int row = 0; row < std::min(a.size(), b.size()); ++row)
             difference.push_back(a[row] - b[row]);
+          double scale = largest(a);
+          if (name.find("energy") != std::string::npos)
+            scale = std::max(scale, largest(one_rank.column("kinetic_energy")));
           at_most(name + ", difference to one rank",
-                  largest(difference) / largest(a),
+                  largest(difference) / scale,
                   1e-10);
         }
     }
