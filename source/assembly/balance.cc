@@ -39,6 +39,13 @@ namespace emmy
   }
 
   template <int dim>
+  const GhostFaces<dim> *
+  Balance<dim>::ghost_faces() const
+  {
+    return effects.ghost_faces.get();
+  }
+
+  template <int dim>
   std::vector<EnergyEntry>
   Balance<dim>::energy_entries() const
   {

@@ -1,3 +1,4 @@
+#include <emmy/assembly/ghost_stabilisation.h>
 #include <emmy/assembly/gravity.h>
 #include <emmy/assembly/point_load.h>
 
@@ -29,6 +30,11 @@ namespace emmy
                    "a force that chosen particles hold and carry along",
                    [](const std::string &section) {
                      return std::make_unique<PointLoadParameters<dim>>(section);
+                   }});
+      effects.add({"ghost stabilisation",
+                   "penalties on faces at the body's boundary, for small cuts",
+                   [](const std::string &section) {
+                     return std::make_unique<GhostParameters<dim>>(section);
                    }});
       return effects;
     }();

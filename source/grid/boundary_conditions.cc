@@ -131,6 +131,13 @@ namespace emmy
 
   template <int dim>
   bool
+  BoundaryConditions<dim>::is_wall(const unsigned int side) const
+  {
+    return fixed_on_side[side][side / 2];
+  }
+
+  template <int dim>
+  bool
   BoundaryConditions<dim>::has_walls() const
   {
     return std::any_of(fixed_on_side.begin(),

@@ -128,6 +128,15 @@ namespace emmy
       step.start, equation, mapping, displacement, velocity_new, result);
     if (mapping.lumping > 0. || mapping.flip_fraction < 1.)
       add_mapping_losses(step, layout, mapping, velocity_new, result);
+    if (step.start.ghost_matrices[0].m() > 0)
+      {
+        Vector change = velocity_new;
+        change -= step.start.mapped_velocity;
+        result.ghost_mass_loss =
+          0.5 * dealii::Utilities::MPI::sum(
+                  step.start.ghost_product(change, &GhostFace<dim>::mass),
+                  step.start.active->communicator());
+      }
     return result;
   }
 

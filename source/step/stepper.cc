@@ -23,7 +23,11 @@ namespace emmy
     , limits(time_parameters)
     , particles(particles)
     , phases(phases)
-    , particles_to_grid(grid, boundary_conditions, layout, method.mapping)
+    , particles_to_grid(grid,
+                        boundary_conditions,
+                        layout,
+                        method.mapping,
+                        method.balance.ghost_faces())
   {}
 
   template <int dim>
@@ -290,6 +294,9 @@ namespace emmy
     if (method.mapping.flip_fraction < 1.)
       entries.push_back(
         {"mapping_loss", Kind::dissipated, accounts.mapping_loss});
+    if (method.balance.ghost_faces())
+      entries.push_back(
+        {"ghost_mass_loss", Kind::dissipated, accounts.ghost_mass_loss});
     if (method.mapping.walls == PointMapping::Walls::inelastic)
       entries.push_back({"wall_loss", Kind::dissipated, accounts.wall_loss});
     return entries;

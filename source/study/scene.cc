@@ -82,6 +82,7 @@ namespace emmy
                  FieldLayout                              &layout)
     {
       Effects<dim> effects;
+      effects.material_of_body = material_of_body;
       effects.terms.push_back(std::make_unique<Inertia<dim>>());
       effects.terms.push_back(std::make_unique<InternalForce<dim>>(
         material_of_body,

@@ -26,14 +26,29 @@ namespace emmy
     }
   } // namespace
 
+  namespace
+  {
+    template <int dim>
+    std::vector<global_dof_index>
+    ids_of(const std::vector<GhostFace<dim>> &faces)
+    {
+      std::vector<global_dof_index> ids;
+      for (const GhostFace<dim> &face : faces)
+        ids.insert(ids.end(), face.node_ids.begin(), face.node_ids.end());
+      return ids;
+    }
+  } // namespace
+
   template <int dim>
   ActiveGrid<dim>::ActiveGrid(
-    const Stencils<dim>           &stencils,
-    const BackgroundGrid<dim>     &grid,
-    const BoundaryConditions<dim> &boundary_conditions)
+    const Stencils<dim>               &stencils,
+    const std::vector<GhostFace<dim>> &faces,
+    const BackgroundGrid<dim>         &grid,
+    const BoundaryConditions<dim>     &boundary_conditions)
     : grid(grid)
     , active_cells(stencils.active_cells)
     , group_node_ids(stencils.node_ids)
+    , face_node_ids(ids_of(faces))
   {
     number_nodes(stencils);
     make_constraints(boundary_conditions);
@@ -42,10 +57,13 @@ namespace emmy
 
   template <int dim>
   bool
-  ActiveGrid<dim>::fits(const Stencils<dim> &stencils) const
+  ActiveGrid<dim>::fits(const Stencils<dim>               &stencils,
+                        const std::vector<GhostFace<dim>> &faces) const
   {
     return dealii::Utilities::MPI::min(stencils.node_ids == group_node_ids &&
-                                           stencils.active_cells == active_cells
+                                           stencils.active_cells ==
+                                             active_cells &&
+                                           ids_of(faces) == face_node_ids
                                          ? 1
                                          : 0,
                                        communicator()) == 1;
@@ -106,6 +124,8 @@ namespace emmy
     };
     for (const global_dof_index id : stencils.node_ids)
       add_ghost(id);
+    for (const global_dof_index id : face_node_ids)
+      add_ghost(id);
     // particles of another rank may reach into cells of this one
     for (const auto &cell : active_cells)
       for (const global_dof_index id : grid.node_ids(cell))
@@ -131,6 +151,8 @@ namespace emmy
     group_nodes.reserve(stencils.node_ids.size());
     for (const global_dof_index id : stencils.node_ids)
       group_nodes.push_back(local_index(id));
+    for (const global_dof_index id : face_node_ids)
+      nodes_of_faces.push_back(local_index(id));
     for (const auto &cell : active_cells)
       {
         const auto cell_ids = grid.node_ids(cell);
@@ -186,7 +208,9 @@ namespace emmy
     for (const auto &group : stencils.groups)
       most_nodes = std::max(most_nodes, group.n_nodes);
     const unsigned int width =
-      most_nodes > BackgroundGrid<dim>::nodes_per_cell ? 5 : 3;
+      most_nodes > BackgroundGrid<dim>::nodes_per_cell || !face_node_ids.empty()
+        ? 5
+        : 3;
     // deal.II 9.4 refuses a row length on a rank that owns no row
     const unsigned int longest_row =
       owned_dofs.n_elements() > 0 ? dim * dealii::Utilities::pow(width, dim)
@@ -194,15 +218,19 @@ namespace emmy
     pattern.reinit(
       owned_dofs, owned_dofs, known_dofs, communicator(), longest_row);
     std::vector<global_dof_index> dofs;
+    const auto couple = [&](const unsigned int *nodes, const unsigned int n) {
+      dofs.clear();
+      for (unsigned int a = 0; a < n; ++a)
+        for (unsigned int c = 0; c < dim; ++c)
+          dofs.push_back(first_dof(nodes[a]) + c);
+      for (const auto row : dofs)
+        pattern.add_entries(row, dofs.begin(), dofs.end());
+    };
     for (const auto &group : stencils.groups)
-      {
-        dofs.clear();
-        for (unsigned int a = 0; a < group.n_nodes; ++a)
-          for (unsigned int c = 0; c < dim; ++c)
-            dofs.push_back(first_dof(nodes(group)[a]) + c);
-        for (const auto row : dofs)
-          pattern.add_entries(row, dofs.begin(), dofs.end());
-      }
+      couple(nodes(group), group.n_nodes);
+    constexpr unsigned int n = GhostFace<dim>::n_nodes;
+    for (unsigned int face = 0; face < nodes_of_faces.size() / n; ++face)
+      couple(face_nodes(face), n);
     pattern.compress();
   }
 

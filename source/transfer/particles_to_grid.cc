@@ -27,25 +27,32 @@ namespace emmy
     const BackgroundGrid<dim>     &grid,
     const BoundaryConditions<dim> &boundary_conditions,
     const FieldLayout             &layout,
-    const PointMapping            &mapping)
+    const PointMapping            &mapping,
+    const GhostFaces<dim>         *find_ghost_faces)
     : grid(grid)
     , boundary_conditions(boundary_conditions)
     , mapping(mapping)
+    , find_ghost_faces(find_ghost_faces)
     , mass_component(layout["mass"])
     , velocity_component(layout["velocity"])
-  {}
+  {
+    if (find_ghost_faces)
+      for (unsigned int d = 0; d < dim; ++d)
+        start.ghost_matrices[d] = ghost_matrix<dim>(d, grid.cell_size());
+  }
 
   template <int dim>
   GridStart<dim> &
   ParticlesToGrid<dim>::operator()(const Stencils<dim>    &stencils,
                                    const PointArrays<dim> &points)
   {
-    if (!start.active || !start.active->fits(stencils))
+    if (find_ghost_faces)
+      start.ghost_faces =
+        (*find_ghost_faces)(stencils, grid, boundary_conditions);
+    if (!start.active || !start.active->fits(stencils, start.ghost_faces))
       {
-        start.active =
-          std::make_unique<const ActiveGrid<dim>>(stencils,
-                                                  grid,
-                                                  boundary_conditions);
+        start.active = std::make_unique<const ActiveGrid<dim>>(
+          stencils, start.ghost_faces, grid, boundary_conditions);
         start.mass.reinit(start.active->sparsity());
         start.damped_mass.reinit(start.active->sparsity());
         if (mapping.walls != PointMapping::Walls::constrained)
@@ -126,10 +133,61 @@ namespace emmy
         if (without_walls)
           start.damped_mass_without_walls.add(dofs, cell_mass);
       }
+    add_ghost_mass();
     start.mass.compress(dealii::VectorOperation::add);
     start.damped_mass.compress(dealii::VectorOperation::add);
     if (without_walls)
       start.damped_mass_without_walls.compress(dealii::VectorOperation::add);
+  }
+
+  template <int dim>
+  void
+  ParticlesToGrid<dim>::add_ghost_mass()
+  {
+    constexpr unsigned int                       n = GhostFace<dim>::n_nodes;
+    const ActiveGrid<dim>                       &active = *start.active;
+    dealii::FullMatrix<double>                   mass(dim * n, dim * n);
+    std::vector<dealii::types::global_dof_index> dofs(dim * n);
+    for (unsigned int f = 0; f < start.ghost_faces.size(); ++f)
+      {
+        const GhostFace<dim> &face = start.ghost_faces[f];
+        mass                       = 0.;
+        for (unsigned int a = 0; a < n; ++a)
+          for (unsigned int c = 0; c < dim; ++c)
+            {
+              dofs[dim * a + c] = active.first_dof(active.face_nodes(f)[a]) + c;
+              for (unsigned int b = 0; b < n; ++b)
+                mass(dim * a + c, dim * b + c) =
+                  face.mass * start.ghost_matrices[face.direction](a, b);
+            }
+        start.mass.add(dofs, mass);
+        active.constraints().distribute_local_to_global(mass,
+                                                        dofs,
+                                                        start.damped_mass);
+        if (mapping.walls != PointMapping::Walls::constrained)
+          start.damped_mass_without_walls.add(dofs, mass);
+      }
+  }
+
+  template <int dim>
+  double
+  GridStart<dim>::ghost_product(const Vector &v,
+                                double GhostFace<dim>::*coefficient) const
+  {
+    constexpr unsigned int n     = GhostFace<dim>::n_nodes;
+    const auto             local = active->to_local(v);
+    double                 sum   = 0.;
+    for (unsigned int f = 0; f < ghost_faces.size(); ++f)
+      {
+        const unsigned int *nodes = active->face_nodes(f);
+        const auto         &J     = ghost_matrices[ghost_faces[f].direction];
+        for (unsigned int a = 0; a < n; ++a)
+          for (unsigned int b = 0; b < n; ++b)
+            for (unsigned int c = 0; c < dim; ++c)
+              sum += ghost_faces[f].*coefficient * J(a, b) *
+                     local[dim * nodes[a] + c] * local[dim * nodes[b] + c];
+      }
+    return sum;
   }
 
   template <int dim>
@@ -179,6 +237,8 @@ namespace emmy
   gather<2>(const Stencils<2> &, const FieldLayout &);
   template PointArrays<3>
   gather<3>(const Stencils<3> &, const FieldLayout &);
+  template struct GridStart<2>;
+  template struct GridStart<3>;
   template class ParticlesToGrid<2>;
   template class ParticlesToGrid<3>;
 } // namespace emmy

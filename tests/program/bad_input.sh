@@ -111,7 +111,7 @@ refused_set 'unknown model' \
   '<Materials/rubber/Model> is <Hooke>|Known are: Hencky' \
   'Materials/rubber/Model=Hooke'
 refused_set 'unknown effect' \
-  '<Effects/Names> is <gravitation>|Known are: gravity' 'Effects/Names=gravitation'
+  '<Effects/Names> is <gravitation>|Known are: gravity, point load, ghost stabilisation' 'Effects/Names=gravitation'
 refused_set 'unknown side of the grid' \
   '<Boundary conditions/Fixed> is <z-min>|no such side|x-min, x-max, y-min, y-max' \
   'Boundary conditions/Fixed=x-min, z-min'
@@ -257,6 +257,18 @@ refused_set 'unknown shape functions' \
   'Method/Shape functions=quadratic'
 refused_set 'unknown stress rule' '<Method/Stress rule> is <best>|one of conserving' \
   'Method/Stress rule=best'
+
+echo "Ghost stabilisation"
+for penalty in Mass Stiffness; do
+  refused "negative $penalty penalty" \
+    "<Effects/Ghost stabilisation/$penalty penalty> is <-1>|must not be negative" \
+    base.prm --set 'Effects/Names=ghost stabilisation' \
+    --set "Effects/Ghost stabilisation/$penalty penalty=-1"
+done
+refused 'no penalty' '<Effects/Ghost stabilisation/Mass penalty> is <0>|both penalties are zero' \
+  base.prm --set 'Effects/Names=ghost stabilisation' \
+  --set 'Effects/Ghost stabilisation/Mass penalty=0' \
+  --set 'Effects/Ghost stabilisation/Stiffness penalty=0'
 
 echo "Walls"
 refused_set 'velocity of a free side' \

@@ -107,6 +107,18 @@ scene no-walls --set 'Boundary conditions/Fixed=' --set 'Method/Wall mapping=ine
   --set 'Time/End time=0.2'
 check 'a wall mapping without walls: no column' [ "$(columns no-walls)" = strain_energy ]
 
+echo "Ghost stabilisation"
+ghosts='Effects/Ghost stabilisation'
+scene unnamed --set "$ghosts/Mass penalty=0.1"
+check 'not named: the same ledger' cmp -s plain/ledger.csv unnamed/ledger.csv
+scene ghosts --set 'Effects/Names=ghost stabilisation'
+check 'ghosts: columns' [ "$(columns ghosts)" = strain_energy,ghost_stiffness_loss,ghost_mass_loss ]
+carries ghosts 14
+check 'ghosts: both lose energy' \
+  is "$(last ghosts ghost_mass_loss) > 1e-4 && $(last ghosts ghost_stiffness_loss) > 1e-6"
+scene less --set 'Effects/Names=ghost stabilisation' --set "$ghosts/Stiffness penalty=0"
+check 'no stiffness: none is lost' [ "$(last less ghost_stiffness_loss)" = 0 ]
+
 echo "The examples of the paper"
 # paper SCENE NUMBERS BYTES COLUMNS: what a particle carries, what the ledger holds
 paper()

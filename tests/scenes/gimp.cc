@@ -237,6 +237,17 @@ namespace
           file.set("Method/" + entry);
         compare(file, 10, join(method));
       }
+    // ghost faces across rank boundaries
+    for (const char *shape_functions : {"linear", "GIMP"})
+      {
+        ParameterFile file =
+          ParameterFile::from_text(test::collision_text(2), "test");
+        file.set(std::string("Method/Shape functions=") + shape_functions);
+        file.set("Effects/Names=ghost stabilisation");
+        compare(file,
+                25,
+                std::string("ghost stabilisation, ") + shape_functions);
+      }
     for (const char *update : {"none", "detF", "diagF", "stretch", "corners"})
       {
         ParameterFile file =

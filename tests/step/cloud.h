@@ -1,6 +1,7 @@
 #ifndef emmy_tests_step_cloud_h
 #define emmy_tests_step_cloud_h
 
+#include <emmy/assembly/ghost_stabilisation.h>
 #include <emmy/assembly/gravity.h>
 #include <emmy/assembly/inertia.h>
 #include <emmy/assembly/internal_force.h>
@@ -29,7 +30,8 @@ namespace emmy
       double                   stiffness = 1e3; ///< Young's modulus, Pa
       bool                     gimp      = false;
       bool                     plastic   = false;
-      bool                     moving    = false; ///< the side y-min
+      bool                     moving    = false;   ///< the side y-min
+      double ghost_mass = 0., ghost_stiffness = 0.; ///< penalties
     };
 
     /**
@@ -99,6 +101,14 @@ namespace emmy
               acceleration[d] = -3. + d;
             effects.loads.push_back(
               std::make_unique<Gravity<dim>>(acceleration, layout["mass"]));
+          }
+        if (options.ghost_mass > 0. || options.ghost_stiffness > 0.)
+          {
+            effects.terms.push_back(std::make_unique<GhostStiffness<dim>>());
+            effects.ghost_faces = std::make_unique<const GhostFaces<dim>>(
+              options.ghost_mass,
+              options.ghost_stiffness,
+              std::vector<const Material<dim> *>{material.get()});
           }
         balance = std::make_unique<Balance<dim>>(std::move(effects));
         if (options.gimp)

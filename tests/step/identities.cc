@@ -88,7 +88,8 @@ namespace
     ParticlesToGrid<dim> particles_to_grid(*cloud.grid,
                                            *cloud.boundary_conditions,
                                            cloud.layout,
-                                           mapping);
+                                           mapping,
+                                           cloud.balance->ghost_faces());
     GridStart<dim>      &start  = particles_to_grid(stencils, points);
     const auto          &active = *start.active;
     const PointMapping   plain;
@@ -197,14 +198,23 @@ namespace
     vanishes(K_grid_new - K_grid_old + stored - W - ru, "energy of the grid");
     vanishes(K_new - K_old + stored - W - books.residual_work -
                books.reaction_work + books.lumping_loss + books.mapping_loss +
-               books.wall_loss,
+               books.ghost_mass_loss + books.wall_loss,
              "energy of the particles");
     vanishes(W + potential, "the work of gravity is the potential lost");
     Vector change = v_new;
     change -= start.mapped_velocity;
-    vanishes(books.lumping_loss - 0.5 * X.matrix_norm_square(change),
-             "the lumping loss is Dv.X Dv/2");
+    vanishes(books.lumping_loss + books.ghost_mass_loss -
+               0.5 * X.matrix_norm_square(change),
+             "lumping and ghost mass lose Dv.X Dv/2");
     test::check(books.lumping_loss >= 0., what + ": lumping takes energy");
+    test::check(options.ghost_mass > 0. ? books.ghost_mass_loss > 0.
+                                        : books.ghost_mass_loss == 0.,
+                what + ": ghost mass takes energy");
+    for (const auto &entry : equation->energies(u))
+      if (entry.name == "ghost_stiffness_loss")
+        test::check(options.ghost_stiffness > 0. ? entry.change > 0.
+                                                 : entry.change == 0.,
+                    what + ": ghost stiffness takes energy");
     // works of walls in closed form, on fixed unknowns: of the reactions R, and
     // of what the map leaves there (W1) or the impulse that stops the grid (W3)
     const auto on_fixed = [&](const Vector &a, const Vector &b) {
@@ -237,7 +247,7 @@ namespace
       vanishes(K_old - K_mapped - unresolved -
                  0.5 * X.matrix_norm_square(start.mapped_velocity),
                "kinetic energy that the grid cannot see (table 1)");
-    if (is_free && mapping.lumping == 0.)
+    if (is_free && mapping.lumping == 0. && options.ghost_mass == 0.)
       vanishes(books.mapping_loss -
                  (1. - mapping.flip_fraction * mapping.flip_fraction) *
                    unresolved,
@@ -372,6 +382,48 @@ namespace
             }
   }
 
+  /** Ghost mass, ghost stiffness, and both, with every mapping and wall. */
+  template <int dim>
+  void
+  check_ghosts()
+  {
+    for (const bool gimp : {false, true})
+      for (const unsigned int ghosts : {1u, 2u, 3u})
+        for (const double alpha : {1., 0., 0.7})
+          for (const double epsilon : {0., 0.3})
+            for (const auto &[walls, name] : wall_mappings)
+              for (const unsigned int n_iterations : {1u, 50u})
+                {
+                  test::CloudOptions options;
+                  // two points per cell, and enough where no ghost mass helps
+                  options.n_points =
+                    (ghosts & 1 ? 2 : 6) * (dim == 2 ? 12 : 36);
+                  options.seed            = 17;
+                  options.gimp            = gimp;
+                  options.gravity         = true;
+                  options.fixed           = {"y-min"};
+                  options.roller          = {"x-max"};
+                  options.moving          = true;
+                  options.ghost_mass      = ghosts & 1 ? 0.25 : 0.;
+                  options.ghost_stiffness = ghosts & 2 ? 0.01 : 0.;
+                  PointMapping mapping;
+                  mapping.flip_fraction = alpha;
+                  mapping.lumping       = epsilon;
+                  mapping.walls         = walls;
+                  check_step<dim>(options,
+                                  mapping,
+                                  n_iterations,
+                                  0.02,
+                                  std::to_string(dim) + "D, " +
+                                    (gimp ? "GIMP" : "MPM") + ", ghosts " +
+                                    std::to_string(ghosts) +
+                                    ", FLIP fraction " + shortest(alpha) +
+                                    ", epsilon " + shortest(epsilon) + ", " +
+                                    name + ", " + std::to_string(n_iterations) +
+                                    " iterations");
+                }
+  }
+
   /** Every mapping with every mass, shape function and wall. */
   template <int dim>
   void
@@ -435,5 +487,7 @@ main(int argc, char *argv[])
   check_scenes<3>();
   check_methods<2>();
   check_methods<3>();
+  check_ghosts<2>();
+  check_ghosts<3>();
   return test::report();
 }

@@ -33,6 +33,10 @@ namespace emmy
     mark(const BackgroundGrid<dim>               &grid,
          dealii::Particles::ParticleHandler<dim> &particles) const;
 
+    /** What finds the faces of ghost stabilisation; null without it. */
+    const GhostFaces<dim> *
+    ghost_faces() const;
+
     /** Entries of the ledger that the terms bring, all zero. */
     std::vector<EnergyEntry>
     energy_entries() const;

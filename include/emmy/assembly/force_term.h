@@ -115,6 +115,11 @@ namespace emmy
     std::vector<std::unique_ptr<ForceTerm<dim>>> terms;
     std::vector<std::unique_ptr<StepLoad<dim>>>  loads;
     std::vector<std::unique_ptr<Marker<dim>>>    markers;
+    /** Faces that ghost stabilisation penalises; null without it. */
+    std::unique_ptr<const GhostFaces<dim>> ghost_faces;
+
+    /** Borrowed; one per body. There before the first effect is added. */
+    std::vector<const Material<dim> *> material_of_body;
   };
 
   /** The section of an effect, e.g. "Effects/Gravity". */

@@ -52,6 +52,10 @@ namespace emmy
     std::bitset<dim>
     fixed_components(const dealii::Point<dim> &position) const;
 
+    /** Whether the normal displacement of a side is given. */
+    bool
+    is_wall(const unsigned int side) const;
+
     /** Whether any side of the grid is fixed. */
     bool
     has_walls() const;

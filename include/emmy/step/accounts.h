@@ -11,7 +11,7 @@ namespace emmy
    * balance,
    *   gain of the particles' kinetic energy + stored + dissipated
    *     = work of loads + reaction_work + residual_work
-   *       - lumping_loss - mapping_loss - wall_loss
+   *       - lumping_loss - mapping_loss - ghost_mass_loss - wall_loss
    * holds exactly, converged or not.
    */
   struct StepAccounts
@@ -35,6 +35,8 @@ namespace emmy
      * (1 - alpha) sum m_p (w.d + (1 + alpha) d.d / 2).
      */
     double mapping_loss = 0.;
+    /** Of the ghost mass G, Delta v . G Delta v / 2: never negative. */
+    double ghost_mass_loss = 0.;
     /**
      * Of Walls::inelastic: w.M~ w / 2, with w what the walls take from the
      * grid's velocity.

@@ -11,6 +11,7 @@
 #include <emmy/base/linear_algebra.h>
 #include <emmy/grid/boundary_conditions.h>
 #include <emmy/particles/stencils.h>
+#include <emmy/transfer/ghost_faces.h>
 
 #include <vector>
 
@@ -32,23 +33,33 @@ namespace emmy
   class ActiveGrid
   {
   public:
-    /** Collective. */
-    ActiveGrid(const Stencils<dim>           &stencils,
-               const BackgroundGrid<dim>     &grid,
-               const BoundaryConditions<dim> &boundary_conditions);
+    /** @param faces whose nodes are to be coupled too. Collective. */
+    ActiveGrid(const Stencils<dim>               &stencils,
+               const std::vector<GhostFace<dim>> &faces,
+               const BackgroundGrid<dim>         &grid,
+               const BoundaryConditions<dim>     &boundary_conditions);
 
     /**
-     * Whether these stencils have the same groups of nodes, so that numbering,
-     * constraints and sparsity can stay. Collective.
+     * Whether these stencils have the same groups of nodes, and the faces are
+     * the same, so that numbering, constraints and sparsity can stay.
+     * Collective.
      */
     bool
-    fits(const Stencils<dim> &stencils) const;
+    fits(const Stencils<dim>               &stencils,
+         const std::vector<GhostFace<dim>> &faces) const;
 
     /** Local indices of a group's nodes. */
     const unsigned int *
     nodes(const typename Stencils<dim>::Group &group) const
     {
       return group_nodes.data() + group.first_node;
+    }
+
+    /** Local indices of a face's nodes, in the order of the faces. */
+    const unsigned int *
+    face_nodes(const unsigned int face) const
+    {
+      return nodes_of_faces.data() + face * GhostFace<dim>::n_nodes;
     }
 
     unsigned int
@@ -168,6 +179,9 @@ namespace emmy
     /** The stencils' node_ids and the same as local indices. */
     std::vector<dealii::types::global_dof_index> group_node_ids;
     std::vector<unsigned int>                    group_nodes;
+    /** The same of the faces. */
+    std::vector<dealii::types::global_dof_index> face_node_ids;
+    std::vector<unsigned int>                    nodes_of_faces;
 
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> node_partition,
       dof_partition;

@@ -76,6 +76,17 @@ namespace emmy
      * with Walls::inelastic that of the map without walls.
      */
     Vector mapped_velocity;
+    /** Of ghost stabilisation, whose mass is part of M~; else empty. */
+    std::vector<GhostFace<dim>> ghost_faces;
+    /** J of a face by its direction, m^dim; only with ghost faces. */
+    std::array<dealii::FullMatrix<double>, dim> ghost_matrices;
+
+    /**
+     * sum over this rank's ghost faces of coefficient v.J v, the coefficient
+     * being GhostFace::mass or GhostFace::stiffness. Collective.
+     */
+    double
+    ghost_product(const Vector &v, double GhostFace<dim>::*coefficient) const;
   };
 
   /**
@@ -90,7 +101,8 @@ namespace emmy
     ParticlesToGrid(const BackgroundGrid<dim>     &grid,
                     const BoundaryConditions<dim> &boundary_conditions,
                     const FieldLayout             &layout,
-                    const PointMapping            &mapping);
+                    const PointMapping            &mapping,
+                    const GhostFaces<dim>         *find_ghost_faces = nullptr);
 
     /**
      * Renew active nodes, mass and momentum. The velocity is left to the
@@ -104,6 +116,8 @@ namespace emmy
     void
     assemble_mass(const Stencils<dim>    &stencils,
                   const PointArrays<dim> &points);
+    void
+    add_ghost_mass();
     /** Momentum and mean velocity. */
     void
     assemble_momentum(const Stencils<dim>    &stencils,
@@ -112,6 +126,7 @@ namespace emmy
     const BackgroundGrid<dim>     &grid;
     const BoundaryConditions<dim> &boundary_conditions;
     const PointMapping            &mapping;
+    const GhostFaces<dim> *const   find_ghost_faces; ///< null: there are none
     const unsigned int             mass_component, velocity_component;
     GridStart<dim>                 start;
   };

@@ -1,0 +1,243 @@
+#include <deal.II/grid/grid_tools.h>
+
+#include <emmy/transfer/ghost_faces.h>
+
+#include <algorithm>
+#include <map>
+
+namespace emmy
+{
+  namespace
+  {
+    /** What is known of an active cell. */
+    struct CellData
+    {
+      double density = 0., modulus = 0.; ///< the largest, kg/m^3, Pa
+      bool   is_boundary = false;
+
+      void
+      include(const double other_density, const double other_modulus)
+      {
+        density = std::max(density, other_density);
+        modulus = std::max(modulus, other_modulus);
+      }
+    };
+
+    template <int dim>
+    using Lattice = typename BackgroundGrid<dim>::Lattice;
+
+    template <int dim>
+    using ActiveCells = std::map<Lattice<dim>, CellData>;
+
+    /** All cells that a group of points overlaps. */
+    template <int dim, class Function>
+    void
+    for_each_cell(const Stencils<dim>                 &stencils,
+                  const typename Stencils<dim>::Group &group,
+                  const BackgroundGrid<dim>           &grid,
+                  const Function                      &function)
+    {
+      // the nodes of a group are those of a box of cells, corner to corner
+      const dealii::Tensor<1, dim> half_cell = 0.5 * grid.cell_size();
+      const auto                  *ids = &stencils.node_ids[group.first_node];
+      const Lattice<dim>           first =
+        grid.lattice(grid.node_position(ids[0]) + half_cell);
+      const Lattice<dim> last =
+        grid.lattice(grid.node_position(ids[group.n_nodes - 1]) - half_cell);
+      Lattice<dim> cell = first;
+      for (unsigned int d = 0; d < dim;)
+        {
+          function(cell);
+          for (d = 0; d < dim && ++cell[d] > last[d]; ++d)
+            cell[d] = first[d];
+        }
+    }
+
+    /** The active cells that this rank owns, whoever's points make them so. */
+    template <int dim>
+    ActiveCells<dim>
+    owned_active_cells(
+      const Stencils<dim>                      &stencils,
+      const BackgroundGrid<dim>                &grid,
+      const std::vector<const Material<dim> *> &material_of_body)
+    {
+      using Message = std::pair<Lattice<dim>, std::array<double, 2>>;
+      ActiveCells<dim> found;
+      for (const auto &group : stencils.groups)
+        for_each_cell(stencils, group, grid, [&](const Lattice<dim> &cell) {
+          const Material<dim> &material = *material_of_body[group.body];
+          found[cell].include(material.density(), material.p_wave_modulus());
+        });
+
+      ActiveCells<dim>                             owned;
+      std::map<unsigned int, std::vector<Message>> of_others;
+      for (const auto &[lattice, data] : found)
+        {
+          const auto cell = grid.cell_at(lattice);
+          if (cell->is_locally_owned())
+            owned[lattice] = data;
+          else
+            of_others[cell->subdomain_id()].push_back(
+              {lattice, {{data.density, data.modulus}}});
+        }
+      for (const auto &[sender, messages] :
+           dealii::Utilities::MPI::some_to_some(grid.communicator(), of_others))
+        {
+          (void)sender;
+          for (const Message &message : messages)
+            owned[message.first].include(message.second[0], message.second[1]);
+        }
+      return owned;
+    }
+
+    /** Tell the ranks beside this one of its active cells. Collective. */
+    template <int dim>
+    void
+    exchange(const BackgroundGrid<dim> &grid, ActiveCells<dim> &cells)
+    {
+      using Data = std::array<double, 3>;
+      using Cell = typename BackgroundGrid<dim>::Cell;
+      dealii::GridTools::exchange_cell_data_to_ghosts<Data>(
+        grid.triangulation(),
+        [&](const Cell &cell) {
+          const auto found = cells.find(grid.lattice(cell->center()));
+          return found == cells.end()
+                   ? Data{{-1., -1., -1.}}
+                   : Data{{found->second.density,
+                           found->second.modulus,
+                           found->second.is_boundary ? 1. : 0.}};
+        },
+        [&](const Cell &cell, const Data &data) {
+          if (data[0] >= 0.)
+            cells[grid.lattice(cell->center())] = {data[0],
+                                                   data[1],
+                                                   data[2] > 0.};
+        });
+    }
+
+    /** Whether an active cell is at the boundary of the body. */
+    template <int dim>
+    bool
+    is_boundary(const Lattice<dim>            &lattice,
+                const ActiveCells<dim>        &cells,
+                const BackgroundGrid<dim>     &grid,
+                const BoundaryConditions<dim> &boundary_conditions)
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        for (const bool is_upper : {false, true})
+          {
+            const unsigned int end = is_upper ? grid.n_cells()[d] - 1 : 0;
+            if (lattice[d] == end)
+              {
+                if (!boundary_conditions.is_wall(2 * d + is_upper))
+                  return true;
+                continue;
+              }
+            Lattice<dim> neighbour = lattice;
+            neighbour[d] += is_upper ? 1 : -1;
+            if (cells.find(neighbour) == cells.end())
+              return true;
+          }
+      return false;
+    }
+  } // namespace
+
+  template <int dim>
+  dealii::FullMatrix<double>
+  ghost_matrix(const unsigned int            direction,
+               const dealii::Tensor<1, dim> &cell_size)
+  {
+    constexpr unsigned int      n = GhostFace<dim>::nodes_per_layer;
+    const std::array<double, 3> jump{{1., -2., 1.}};
+    dealii::FullMatrix<double>  J(GhostFace<dim>::n_nodes,
+                                 GhostFace<dim>::n_nodes);
+    for (unsigned int i = 0; i < J.m(); ++i)
+      for (unsigned int j = 0; j < J.n(); ++j)
+        {
+          J(i, j) = cell_size[direction] / 3. * jump[i / n] * jump[j / n];
+          // the mass matrix of the face, direction by direction
+          for (unsigned int d = 0, bit = 0; d < dim; ++d)
+            if (d != direction)
+              {
+                const bool is_same =
+                  ((i % n) >> bit) % 2 == ((j % n) >> bit) % 2;
+                J(i, j) *= cell_size[d] / 6. * (is_same ? 2. : 1.);
+                ++bit;
+              }
+        }
+    return J;
+  }
+
+  template <int dim>
+  GhostFaces<dim>::GhostFaces(
+    const double                       mass_penalty,
+    const double                       stiffness_penalty,
+    std::vector<const Material<dim> *> material_of_body)
+    : mass_penalty(mass_penalty)
+    , stiffness_penalty(stiffness_penalty)
+    , material_of_body(std::move(material_of_body))
+  {}
+
+  template <int dim>
+  std::vector<GhostFace<dim>>
+  GhostFaces<dim>::operator()(
+    const Stencils<dim>           &stencils,
+    const BackgroundGrid<dim>     &grid,
+    const BoundaryConditions<dim> &boundary_conditions) const
+  {
+    ActiveCells<dim> cells =
+      owned_active_cells(stencils, grid, material_of_body);
+    const ActiveCells<dim> owned = cells;
+    // neighbours must be known to find the boundary, and then theirs
+    exchange(grid, cells);
+    for (const auto &[lattice, data] : owned)
+      {
+        (void)data;
+        cells[lattice].is_boundary =
+          is_boundary(lattice, cells, grid, boundary_conditions);
+      }
+    exchange(grid, cells);
+
+    std::vector<GhostFace<dim>> faces;
+    for (const auto &[lattice, old_data] : owned)
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          (void)old_data;
+          Lattice<dim> upper_lattice = lattice;
+          ++upper_lattice[d];
+          const auto      upper = cells.find(upper_lattice);
+          const CellData &lower = cells[lattice];
+          if (upper == cells.end() ||
+              !(lower.is_boundary || upper->second.is_boundary))
+            continue;
+          GhostFace<dim> face;
+          face.direction = d;
+          const double h = grid.cell_size()[d];
+          face.mass =
+            mass_penalty * std::max(lower.density, upper->second.density);
+          face.stiffness = stiffness_penalty / (h * h) *
+                           std::max(lower.modulus, upper->second.modulus);
+          const auto lower_ids = grid.node_ids(grid.cell_at(lattice)),
+                     upper_ids = grid.node_ids(grid.cell_at(upper_lattice));
+          for (unsigned int v = 0, low = 0, high = 0; v < lower_ids.size(); ++v)
+            if ((v >> d) % 2 == 0)
+              face.node_ids[low++] = lower_ids[v];
+            else
+              {
+                constexpr unsigned int n    = GhostFace<dim>::nodes_per_layer;
+                face.node_ids[n + high]     = lower_ids[v];
+                face.node_ids[2 * n + high] = upper_ids[v];
+                ++high;
+              }
+          faces.push_back(face);
+        }
+    return faces;
+  }
+
+  template dealii::FullMatrix<double>
+  ghost_matrix<2>(const unsigned int, const dealii::Tensor<1, 2> &);
+  template dealii::FullMatrix<double>
+  ghost_matrix<3>(const unsigned int, const dealii::Tensor<1, 3> &);
+  template class GhostFaces<2>;
+  template class GhostFaces<3>;
+} // namespace emmy
