@@ -58,6 +58,14 @@ namespace emmy
         std::vector<double> distances;
         const auto          chosen = choose(grid, particles, distances);
         const double        share  = 1. / positions.size();
+        for (const Point<dim> &position : positions)
+          AssertThrow(grid.contains(position),
+                      ExcParameter(effect_section("point load"),
+                                   "Points nearest to",
+                                   dealii::Patterns::Tools::to_string(position),
+                                   "this position is outside the grid. Give "
+                                   "positions at the body as it is at the "
+                                   "start, in m."));
         for (auto &particle : particles)
           particle.get_properties()[component] =
             share *
@@ -71,6 +79,9 @@ namespace emmy
         const auto farthest =
           std::max_element(distances.begin(), distances.end());
         return load_on(different.size()) +
+               (different.size() < positions.size()
+                  ? ", some of which hold several shares"
+                  : "") +
                (different.size() > 1 ? ", the farthest " : ", ") +
                brief(*farthest) + " m from its position (" +
                dealii::Patterns::Tools::to_string(

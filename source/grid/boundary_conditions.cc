@@ -35,7 +35,8 @@ namespace emmy
                       std::to_string(dim) +
                       " components separated by ; for a side in <Fixed>, the "
                       "normal one for a side in <Roller>. Unit: m/s. Empty: "
-                      "at rest.");
+                      "at rest. The grid stays where it is: the side carries "
+                      "along what touches it.");
   }
 
   std::vector<std::string>

@@ -132,20 +132,22 @@ namespace emmy
                      Solution               &solution) const
   {
     PointArrays<dim> &trial = solution.equation->trial();
-    throw_together(grid.communicator(),
-                   where(),
-                   move_points(stencils,
-                               points,
-                               *start,
-                               grid,
-                               layout,
-                               method.mapping.flip_fraction,
-                               solution.displacement,
-                               solution.velocity,
-                               trial),
-                   "the step was not accepted. Enlarge the grid (Grid/Lower "
-                   "corner, Upper corner), end the run earlier (Time/End "
-                   "time), or fix that side (Boundary conditions).");
+    throw_together(
+      grid.communicator(),
+      where(),
+      move_points(stencils,
+                  points,
+                  *start,
+                  grid,
+                  layout,
+                  method.mapping.flip_fraction,
+                  solution.displacement,
+                  solution.velocity,
+                  trial),
+      "the step was not accepted. Enlarge the grid (Grid/Lower "
+      "corner, Upper corner), end the run earlier (Time/End "
+      "time), fix that side (Boundary conditions), or, if it moves, "
+      "slow it down.");
     if (!method.domain_update)
       return;
     (*method.domain_update)(stencils,

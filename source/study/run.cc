@@ -61,8 +61,12 @@ namespace emmy
           << " s, time step " << smallest << " to " << largest << " s\n"
           << "kinetic + stored energy " << ledger.total_energy()
           << " J, at the start " << initial.totals.kinetic_energy << " J\n";
-      if (std::find(names.begin(), names.end(), "load_work") != names.end())
-        out << "work of loads " << ledger["load_work"] << " J\n";
+      // what was dissipated, lost or brought in, where it is not zero
+      auto name = std::find(names.begin(), names.end(), "strain_energy");
+      for (; name != names.end() && *name != "residual_work"; ++name)
+        if (*name != "strain_energy" && *name != "hardening_energy" &&
+            ledger[*name] != 0.)
+          out << "  " << *name << ' ' << ledger[*name] << " J\n";
       out << "work of residuals " << ledger["residual_work"] << " J\n"
           << "balance error " << ledger["balance_error"] << " J";
       if (course.largest_energy > 0.)

@@ -81,7 +81,8 @@ namespace emmy
                   "energy. mid-point: that of the mid-point's deformation. "
                   "trapezoidal: the mean of both ends. end-point: that of the "
                   "end. All keep momenta; the ledger's stress_rule_loss is "
-                  "the energy that the last three lose, or make.",
+                  "the energy that the last three lose or make; where few "
+                  "particles reach a node, mid-point can make very much.",
                   prm,
                   Selection(stress_rule_names()));
     add_parameter("Wall mapping",

@@ -302,7 +302,7 @@ namespace
     check(column.size() == 6 && column[0][2] == 1. / 6.,
           "a region shares equally");
     for (const char *selection :
-         {"set Points nearest to = 1.5, 1.5; 1, 1; 2, 2; 9, -9",
+         {"set Points nearest to = 1.5, 1.5; 1, 1; 2, 2; 4, 0",
           "set Region = 0.3 - (x - 1.5)^2 - (y - 1.5)^2"})
       check(shares<2>(selection, MPI_COMM_WORLD) ==
               shares<2>(selection, MPI_COMM_SELF),

@@ -386,6 +386,9 @@ refused_load 'position with one coordinate' \
 refused_load 'load on no particle' \
   '<Effects/Point load/Region> is <x - 3>|no particle is inside|positive at the particles' \
   'Force=0; 1' 'Region=x - 3'
+refused_load 'load outside the grid' \
+  '<Effects/Point load/Points nearest to> is <9, -9>|outside the grid|in m' \
+  'Force=0; 1' 'Points nearest to=1, 1; 9, -9'
 refused_load 'malformed region' \
   '<Effects/Point load/Region> is <x ->|cannot be read|Write a formula in x,y' \
   'Force=0; 1' 'Region=x -'
