@@ -49,6 +49,23 @@ namespace emmy
     return names;
   }
 
+  unsigned int
+  side_number(const std::string &name,
+              const unsigned int dim,
+              const std::string &section,
+              const std::string &entry)
+  {
+    const std::vector<std::string> names = side_names(dim);
+    const auto position = std::find(names.begin(), names.end(), name);
+    AssertThrow(position != names.end(),
+                ExcParameter(section,
+                             entry,
+                             name,
+                             "the grid has no such side. Its sides are " +
+                               join(names) + "."));
+    return position - names.begin();
+  }
+
   template <int dim>
   BoundaryConditions<dim>::BoundaryConditions(
     const BoundaryParameters  &parameters,
@@ -57,21 +74,11 @@ namespace emmy
     , section(parameters.path())
   {
     const std::vector<std::string> names = side_names(dim);
-    const auto side_of = [&](const std::string &name, const char *entry) {
-      const auto position = std::find(names.begin(), names.end(), name);
-      AssertThrow(position != names.end(),
-                  ExcParameter(parameters.path(),
-                               entry,
-                               name,
-                               "the grid has no such side. Its sides are " +
-                                 join(names) + "."));
-      return static_cast<unsigned int>(position - names.begin());
-    };
     for (const std::string &name : parameters.fixed)
-      fixed_on_side[side_of(name, "Fixed")].set();
+      fixed_on_side[side_number(name, dim, section, "Fixed")].set();
     for (const std::string &name : parameters.roller)
       {
-        const unsigned int side = side_of(name, "Roller");
+        const unsigned int side = side_number(name, dim, section, "Roller");
         fixed_on_side[side].set(side / 2);
       }
     for (unsigned int side = 0; side < 2 * dim; ++side)

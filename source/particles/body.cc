@@ -1,6 +1,7 @@
 #include <emmy/base/dealii_version.h>
 #include <emmy/base/exceptions.h>
 #include <emmy/base/formula.h>
+#include <emmy/grid/boundary_conditions.h>
 #include <emmy/particles/body.h>
 
 #include <cmath>
@@ -40,6 +41,15 @@ namespace emmy
                         initial_velocity,
                         "Components separated by ;, each a formula in x, y "
                         "(and z). Unit: m/s. Empty: at rest.");
+    this->add_parameter("Cut by",
+                        cut_by,
+                        "Sides of the grid beyond which the shape may reach; "
+                        "what lies outside is left out, as where a side is a "
+                        "plane of symmetry. A list of x-min, x-max, y-min, "
+                        "y-max, z-min, z-max.",
+                        this->prm,
+                        dealii::Patterns::List(dealii::Patterns::Anything(),
+                                               0));
     if (!shape.empty())
       shape_parameters = shape_library<dim>()
                            .find(shape, section, "Shape")
@@ -84,6 +94,8 @@ namespace emmy
     body.density              = density;
     body.points_per_direction = parameters.points_per_direction;
     body.shape                = parameters.shape().make();
+    for (const std::string &side : parameters.cut_by)
+      body.cut_by.set(side_number(side, dim, parameters.path(), "Cut by"));
 
     std::string text = parameters.initial_velocity;
     if (dealii::Utilities::trim(text).empty())
@@ -151,8 +163,13 @@ namespace emmy
       for (unsigned int d = 0; d < dim; ++d)
         {
           const double tolerance = 1e-9 * grid.cell_size()[d];
-          if (box.lower_bound(d) < grid.lower_corner()[d] - tolerance ||
-              box.upper_bound(d) > grid.upper_corner()[d] + tolerance)
+          const bool   is_below =
+            !body.cut_by[2 * d] &&
+            box.lower_bound(d) < grid.lower_corner()[d] - tolerance;
+          const bool is_above =
+            !body.cut_by[2 * d + 1] &&
+            box.upper_bound(d) > grid.upper_corner()[d] + tolerance;
+          if (is_below || is_above)
             return "body <" + body.name + "> spans " + "xyz"[d] + " = " +
                    shortest(box.lower_bound(d)) + " ... " +
                    shortest(box.upper_bound(d)) +
@@ -174,11 +191,13 @@ namespace emmy
                 const Point<dim>          &point)
     {
       for (unsigned int d = 0; d < dim; ++d)
-        for (const double side : {-1., 1.})
+        for (const unsigned int end : {0, 1})
           {
             Point<dim> next = point;
-            next[d] += side * grid.cell_size()[d] / body.points_per_direction;
-            if (!grid.contains(next) && body.shape->contains(next))
+            next[d] += (end == 0 ? -1. : 1.) * grid.cell_size()[d] /
+                       body.points_per_direction;
+            if (!body.cut_by[2 * d + end] && !grid.contains(next) &&
+                body.shape->contains(next))
               return "body <" + body.name +
                      "> reaches outside the grid, e.g. at (" +
                      dealii::Patterns::Tools::to_string(next) + ") m";
@@ -200,8 +219,8 @@ namespace emmy
       throw_together(communicator,
                      "Bodies",
                      extent_problem(body, grid),
-                     "enlarge the grid (Grid/Lower corner, Upper corner) or "
-                     "move the body.");
+                     "enlarge the grid (Grid/Lower corner, Upper corner), "
+                     "move the body, or name that side in its <Cut by>.");
 
     // who is where
     struct Filling
@@ -236,8 +255,8 @@ namespace emmy
     throw_together(communicator,
                    "Bodies",
                    cut,
-                   "enlarge the grid (Grid/Lower corner, Upper corner) or cut "
-                   "the shape there, e.g. with a product of its formula.");
+                   "enlarge the grid (Grid/Lower corner, Upper corner), or "
+                   "name that side in the body's <Cut by>.");
     throw_together(communicator,
                    "Bodies",
                    overlap,

@@ -73,6 +73,7 @@ namespace emmy
                      above = std::max(0., grid.upper_corner()[d] - x[d]);
         double l =
           std::min({(1. - shrinkage) * properties[half_length_component + d],
+                    (1. - shrinkage) * h,
                     below,
                     above});
         if (l < smallest_half_length * h)
@@ -94,33 +95,16 @@ namespace emmy
   {
     std::vector<Entry> entries;
     entries.reserve(particles.n_locally_owned_particles());
-    std::string problem;
     for (auto particle = particles.begin(); particle != particles.end();
          ++particle)
       {
-        const auto properties = particle->get_properties();
-        for (unsigned int d = 0; d < dim; ++d)
-          if (problem.empty() && !(properties[half_length_component + d] <=
-                                   grid.cell_size()[d] * (1. + 1e-12)))
-            problem =
-              "the domain of particle " + std::to_string(particle->get_id()) +
-              " at (" +
-              dealii::Patterns::Tools::to_string(particle->get_location()) +
-              ") m has the half-length " +
-              shortest(properties[half_length_component + d]) + " m along " +
-              "xyz"[d] + ", more than the cell size " +
-              shortest(grid.cell_size()[d]) + " m";
         Entry entry;
         entry.particle = particle;
-        entry.body     = static_cast<unsigned int>(properties[body_component]);
+        entry.body =
+          static_cast<unsigned int>(particle->get_properties()[body_component]);
         set_overlap(grid, entry);
         entries.push_back(entry);
       }
-    throw_together(grid.communicator(),
-                   "GIMP",
-                   problem,
-                   "use larger cells (Grid/Cells), more Points per direction, "
-                   "or another Method/Domain update.");
     std::stable_sort(entries.begin(),
                      entries.end(),
                      [](const Entry &a, const Entry &b) {

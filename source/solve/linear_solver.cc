@@ -18,8 +18,8 @@ namespace emmy
     add_parameter("Linear solver",
                   linear_solver,
                   "direct: LU factorisation. GMRES, BiCGStab: Krylov methods "
-                  "with <Preconditioner>. automatic: direct for small systems, "
-                  "GMRES else.",
+                  "with <Preconditioner>. automatic: direct for small systems; "
+                  "else GMRES, and direct where that fails.",
                   prm,
                   dealii::Patterns::Selection(
                     "automatic|direct|GMRES|BiCGStab"));
@@ -130,10 +130,12 @@ namespace emmy
     public:
       KrylovSolver(const std::string &method,
                    const std::string &preconditioner,
-                   const unsigned int n_components)
+                   const unsigned int n_components,
+                   const unsigned int max_iterations)
         : method(method)
         , preconditioner_name(preconditioner)
         , n_components(n_components)
+        , max_iterations(max_iterations)
       {}
 
       LinearResult
@@ -181,7 +183,7 @@ namespace emmy
       solve(Vector &x, const Vector &b, const double tolerance) override
       {
         LinearResult          result;
-        dealii::SolverControl control(1000, tolerance * b.l2_norm());
+        dealii::SolverControl control(max_iterations, tolerance * b.l2_norm());
         x = 0.;
         try
           {
@@ -216,9 +218,80 @@ namespace emmy
 
     private:
       const std::string                     method, preconditioner_name;
-      const unsigned int                    n_components;
+      const unsigned int                    n_components, max_iterations;
       const Matrix                         *matrix = nullptr;
       std::unique_ptr<TW::PreconditionBase> preconditioner;
+    };
+    /**
+     * GMRES with ILU, and LU where that fails: matrices with weakly filled
+     * nodes can be too much for a preconditioner. What follows such a matrix is
+     * like it, so LU stays for a while.
+     */
+    class AutomaticSolver : public LinearSolver
+    {
+    public:
+      AutomaticSolver(const std::string &preconditioner,
+                      const unsigned int n_components)
+        : krylov("GMRES", preconditioner, n_components, 300)
+      {}
+
+      LinearResult
+      prepare(const Matrix &new_matrix) override
+      {
+        matrix    = &new_matrix;
+        is_direct = n_direct_left > 0;
+        if (!is_direct && krylov.prepare(*matrix).is_solved)
+          return {};
+        return prepare_direct();
+      }
+
+      LinearResult
+      solve(Vector &x, const Vector &b, const double tolerance) override
+      {
+        LinearResult result;
+        if (!is_direct)
+          {
+            result = krylov.solve(x, b, tolerance);
+            if (result.is_solved)
+              return result;
+            n_direct_left                 = 50;
+            const unsigned int iterations = result.iterations;
+            result                        = prepare_direct();
+            result.iterations             = iterations;
+            if (!result.is_solved)
+              return result;
+          }
+        const unsigned int iterations = result.iterations;
+        result                        = direct.solve(x, b, tolerance);
+        result.iterations             = iterations;
+        return result;
+      }
+
+      std::string
+      name() const override
+      {
+        return krylov.name() +
+               (n_direct == 0
+                  ? std::string()
+                  : "; direct (KLU) for " + std::to_string(n_direct) +
+                      " matrices that are hard for it");
+      }
+
+    private:
+      LinearResult
+      prepare_direct()
+      {
+        is_direct = true;
+        ++n_direct;
+        n_direct_left -= n_direct_left > 0;
+        return direct.prepare(*matrix);
+      }
+
+      KrylovSolver  krylov;
+      DirectSolver  direct;
+      const Matrix *matrix        = nullptr;
+      bool          is_direct     = false;
+      unsigned int  n_direct_left = 0, n_direct = 0;
     };
   } // namespace
 
@@ -228,15 +301,17 @@ namespace emmy
                      const unsigned int      n_components)
   {
     parameters.validate();
-    std::string method = parameters.linear_solver;
-    if (method == "automatic")
-      method =
-        n_dofs <= (n_components == 2 ? 60000 : 9000) ? "direct" : "GMRES";
-    if (method == "direct")
+    const std::string &method   = parameters.linear_solver;
+    const bool         is_small = n_dofs <= (n_components == 2 ? 60000 : 2000);
+    if (method == "direct" || (method == "automatic" && is_small))
       return std::make_unique<DirectSolver>();
+    if (method == "automatic")
+      return std::make_unique<AutomaticSolver>(parameters.preconditioner,
+                                               n_components);
     return std::make_unique<KrylovSolver>(method,
                                           parameters.preconditioner,
-                                          n_components);
+                                          n_components,
+                                          1000);
   }
 
   LinearResult

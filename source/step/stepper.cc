@@ -129,7 +129,7 @@ namespace emmy
   void
   Stepper<dim>::move(const Stencils<dim>    &stencils,
                      const PointArrays<dim> &points,
-                     Solution               &solution) const
+                     Solution               &solution)
   {
     PointArrays<dim> &trial = solution.equation->trial();
     throw_together(
@@ -160,8 +160,14 @@ namespace emmy
                    DomainUpdate<dim>::problem(stencils, layout, grid, trial),
                    "the step was not accepted. Use another Method/Domain "
                    "update (stretch does not vanish under rotation, none "
-                   "keeps the size), larger cells (Grid/Cells), or more "
-                   "Points per direction.");
+                   "keeps the size), or more Points per direction.");
+    const std::uint64_t n_cut = DomainUpdate<dim>::n_cut(layout, grid, trial);
+    if (n_cut > most_cut_domains)
+      solution.notes.push_back(
+        where() + ": domains of " + std::to_string(n_cut) +
+        " particles are longer than two cells and act as if cut at that size; "
+        "more Points per direction or larger cells avoid it");
+    most_cut_domains = std::max(most_cut_domains, n_cut);
   }
 
   template <int dim>

@@ -196,7 +196,8 @@ namespace emmy
           << bodies[b].density << " kg/m^3, P-wave modulus "
           << material_of_body[b]->p_wave_modulus() << " Pa\n";
         line("") << "volume of its particles " << volumes[b] << " m^3";
-        if (const double exact = bodies[b].shape->volume(); exact > 0.)
+        if (const double exact = bodies[b].shape->volume();
+            exact > 0. && bodies[b].cut_by.none())
           {
             const double error = 100. * (volumes[b] / exact - 1.);
             out << ", of its shape " << exact << " m^3";

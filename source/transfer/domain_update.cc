@@ -161,13 +161,16 @@ namespace emmy
           for (unsigned int q = 0; q < group.n_points; ++q)
             {
               const std::size_t p = group.first_point + q;
-              const auto        l = points.template get<dim>(half_length, p);
-              dealii::Tensor<1, dim> lowest, highest;
+              // as the shape functions use it: at most a cell
+              const auto l = points.template get<dim>(half_length, p);
+              dealii::Tensor<1, dim> used, lowest, highest;
+              for (unsigned int d = 0; d < dim; ++d)
+                used[d] = std::min(l[d], grid.cell_size()[d]);
               for (unsigned int corner = 0; corner < (1u << dim); ++corner)
                 {
                   dealii::Point<dim> x = points.point(p);
                   for (unsigned int d = 0; d < dim; ++d)
-                    x[d] += (corner >> d) & 1 ? l[d] : -l[d];
+                    x[d] += (corner >> d) & 1 ? used[d] : -used[d];
                   // the grid ends at its edge, the domain need not
                   x += displacement_at(grid.clamped(x),
                                        group,
@@ -181,13 +184,14 @@ namespace emmy
                         corner == 0 ? x[d] : std::max(highest[d], x[d]);
                     }
                 }
+              dealii::Tensor<1, dim> moved;
               double ratio = volume_ratio<dim>(trial, left_cauchy_green, p);
               for (unsigned int d = 0; d < dim; ++d)
-                ratio *=
-                  initial[group.body][d] / (0.5 * (highest[d] - lowest[d]));
-              trial.set(half_length,
-                        p,
-                        0.5 * std::pow(ratio, 1. / dim) * (highest - lowest));
+                {
+                  moved[d] = 0.5 * l[d] / used[d] * (highest[d] - lowest[d]);
+                  ratio *= initial[group.body][d] / moved[d];
+                }
+              trial.set(half_length, p, std::pow(ratio, 1. / dim) * moved);
             }
       }
 
@@ -238,16 +242,34 @@ namespace emmy
         {
           const double l = trial.component(half_length + d)[p],
                        h = grid.cell_size()[d];
-          if (!(l > 1e-6 * h && l <= h))
+          if (!(l > 1e-6 * h)) // NaN too
             return "the half-length of particle " +
                    std::to_string(stencils.particles[p]->get_id()) + " at (" +
                    dealii::Patterns::Tools::to_string(
                      stencils.particles[p]->get_location()) +
                    ") m along " + "xyz"[d] + " would become " + shortest(l) +
-                   " m; it must stay between 1e-6 and 1 of the cell size " +
+                   " m; it must stay above 1e-6 of the cell size " +
                    shortest(h) + " m";
         }
     return "";
+  }
+
+  template <int dim>
+  std::uint64_t
+  DomainUpdate<dim>::n_cut(const FieldLayout         &layout,
+                           const BackgroundGrid<dim> &grid,
+                           const PointArrays<dim>    &trial)
+  {
+    const unsigned int half_length = layout["half_length"];
+    std::uint64_t      result      = 0;
+    for (std::size_t p = 0; p < trial.n_points(); ++p)
+      for (unsigned int d = 0; d < dim; ++d)
+        if (trial.component(half_length + d)[p] > grid.cell_size()[d])
+          {
+            ++result;
+            break;
+          }
+    return dealii::Utilities::MPI::sum(result, grid.communicator());
   }
 
   std::string

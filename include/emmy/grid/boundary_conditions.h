@@ -100,6 +100,17 @@ namespace emmy
    */
   std::vector<std::string>
   side_names(const unsigned int dim);
+
+  /**
+   * The place of a side in side_names().
+   * @param section,entry where the name was read, for the message
+   * Throws ExcParameter if there is no such side.
+   */
+  unsigned int
+  side_number(const std::string &name,
+              const unsigned int dim,
+              const std::string &section,
+              const std::string &entry);
 } // namespace emmy
 
 #endif

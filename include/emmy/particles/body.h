@@ -9,6 +9,7 @@
 #include <emmy/particles/field_layout.h>
 #include <emmy/particles/shape.h>
 
+#include <bitset>
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,9 +21,10 @@ namespace emmy
   class BodyParameters : public Section
   {
   public:
-    std::string  material;
-    unsigned int points_per_direction = 0;
-    std::string  initial_velocity; // m/s, components separated by ;
+    std::string              material;
+    unsigned int             points_per_direction = 0;
+    std::string              initial_velocity; // m/s, components separated by ;
+    std::vector<std::string> cut_by;           // sides of the grid
 
     /** @param shape name of a shape in the library, read beforehand. */
     BodyParameters(const std::string &section, const std::string &shape);
@@ -48,6 +50,8 @@ namespace emmy
     double                      density;  ///< kg/m^3
     unsigned int                points_per_direction;
     std::unique_ptr<Shape<dim>> shape;
+    /** Sides of the grid that the shape may reach beyond. */
+    std::bitset<2 * dim>                         cut_by;
     std::unique_ptr<dealii::FunctionParser<dim>> initial_velocity; ///< m/s
   };
 
@@ -84,8 +88,8 @@ namespace emmy
    * is such a field, half its box; its other fields have the layout's initial
    * values. Ids count from 0 over the ranks.
    *
-   * Throws ExcRun on all ranks for a body that reaches outside the grid, holds
-   * no particle, or overlaps another body.
+   * Throws ExcRun on all ranks for a body that reaches outside the grid beyond
+   * a side that does not cut it, holds no particle, or overlaps another body.
    */
   template <int dim>
   void

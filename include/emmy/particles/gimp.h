@@ -43,7 +43,9 @@ namespace emmy
    * the grid the box is clipped so that it stays centred on the particle;
    * where less than 1e-6 h is left, the particle is a point with the linear
    * functions of its cell
-   * (formulation of Pretti et al. 2023, sec. 3; Charlton et al. 2017).
+   * (formulation of Pretti et al. 2023, sec. 3; Charlton et al. 2017). Boxes
+   * of more than two cells act as if cut at that size: they would reach beyond
+   * the neighbours of their cell.
    *
    * Particles that overlap the same cells and are of one body share a group.
    * Cost per step: a sort of the particles, and up to 3^dim weights each while
@@ -56,11 +58,7 @@ namespace emmy
     /** @param layout asked for the half-lengths of each particle */
     explicit GimpShapeFunctions(FieldLayout &layout);
 
-    /**
-     * Collective. Throws ExcRun on all ranks for a particle with a half-length
-     * above the cell size, which would reach beyond the neighbours of its
-     * cell.
-     */
+    /** Collective. */
     Stencils<dim>
     evaluate(const dealii::Particles::ParticleHandler<dim> &particles,
              const BackgroundGrid<dim> &grid) const override;
@@ -87,7 +85,7 @@ namespace emmy
       }
     };
 
-    /** The particles of this rank, sorted into groups. Collective; throws. */
+    /** The particles of this rank, sorted into groups. */
     std::vector<Entry>
     sorted_entries(const dealii::Particles::ParticleHandler<dim> &particles,
                    const BackgroundGrid<dim>                     &grid) const;

@@ -63,7 +63,8 @@ namespace emmy
 
   /**
    * The solver that the parameters name; "automatic" takes the direct one up
-   * to a size where its fill-in costs more than GMRES with ILU.
+   * to a size where its fill-in costs more than GMRES with ILU, and from there
+   * on GMRES, with the direct one for matrices where that fails.
    *
    * @param n_dofs       size of the first system, for the choice
    * @param n_components unknowns per node, for the multigrid's near-kernel

@@ -99,7 +99,7 @@ namespace emmy
     void
     move(const Stencils<dim>    &stencils,
          const PointArrays<dim> &points,
-         Solution               &solution) const;
+         Solution               &solution);
     StepReport
     report(const Solution         &solution,
            const Stencils<dim>    &stencils,
@@ -123,8 +123,9 @@ namespace emmy
     std::unique_ptr<LinearSolver> linear_solver;
     const GridStart<dim>         *start = nullptr;
     Vector                        velocity;
-    unsigned int                  step_number = 0;
-    double                        time        = 0.;
+    std::uint64_t                 most_cut_domains = 0; ///< of all steps
+    unsigned int                  step_number      = 0;
+    double                        time             = 0.;
   };
 } // namespace emmy
 

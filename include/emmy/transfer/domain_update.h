@@ -36,13 +36,22 @@ namespace emmy
 
     /**
      * What is wrong with the half-lengths on this rank, if anything: they must
-     * stay above 1e-6 h, and at most h.
+     * stay above 1e-6 h.
      */
     static std::string
     problem(const Stencils<dim>       &stencils,
             const FieldLayout         &layout,
             const BackgroundGrid<dim> &grid,
             const PointArrays<dim>    &trial);
+
+    /**
+     * How many particles have domains of more than two cells; the shape
+     * functions cut them at that size. Collective.
+     */
+    static std::uint64_t
+    n_cut(const FieldLayout         &layout,
+          const BackgroundGrid<dim> &grid,
+          const PointArrays<dim>    &trial);
   };
 
   /** The names of the updates, separated by |. */
