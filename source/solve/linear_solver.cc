@@ -302,7 +302,7 @@ namespace emmy
   {
     parameters.validate();
     const std::string &method   = parameters.linear_solver;
-    const bool         is_small = n_dofs <= (n_components == 2 ? 60000 : 2000);
+    const bool         is_small = n_dofs <= (n_components == 2 ? 60000 : 1000);
     if (method == "direct" || (method == "automatic" && is_small))
       return std::make_unique<DirectSolver>();
     if (method == "automatic")
