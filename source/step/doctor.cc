@@ -143,8 +143,8 @@ namespace emmy
   } // namespace
 
   const char *const small_cut_remedy =
-    "Against few particles in a cell: Effects/Names = ghost stabilisation, "
-    "Method/Lumping above 0, or more Points per direction.";
+    "Against small cuts, set Effects/Names = ghost stabilisation, or "
+    "Method/Lumping above 0. ";
 
   DiagnosisParameters::DiagnosisParameters(const std::string &path)
     : Section(path)
@@ -159,7 +159,8 @@ namespace emmy
                   report_above,
                   "With <Small cuts>: the condition number above which the "
                   "log names the weakest nodes and the particles that reach "
-                  "them. Dimensionless.",
+                  "them. Also above which the error of a step that fails does "
+                  "so, with or without <Small cuts>. Dimensionless.",
                   prm,
                   dealii::Patterns::Double(1.));
   }
@@ -279,6 +280,23 @@ namespace emmy
               << " with S = " << feeder.value;
       }
     return out.str();
+  }
+
+  template <int dim>
+  bool
+  Diagnosis<dim>::is_above(const double limit) const
+  {
+    return !(condition <= limit);
+  }
+
+  template <int dim>
+  std::string
+  Diagnosis<dim>::verdict(const std::string &name, const double limit) const
+  {
+    return is_above(limit)
+             ? text(name)
+             : "the scaled " + name + " has the condition number " +
+                 brief(condition) + ", so no small cut is to blame";
   }
 
   template struct Diagnosis<2>;

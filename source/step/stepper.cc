@@ -44,9 +44,9 @@ namespace emmy
       timed("particles to grid", [&]() -> GridStart<dim> & {
         return particles_to_grid(stencils, points);
       });
+    start = &at_start;
     timed("velocity from momentum",
           [&] { velocity_from_momentum(stencils, points, at_start); });
-    start = &at_start;
 
     // solve; until here and for as long as the step fails, particles keep
     // their states
@@ -136,21 +136,19 @@ namespace emmy
                           step.stencils,
                           step.points)
         : diagnose_matrix(step.start.mass, step.stencils, step.points);
-    const bool is_small_cut =
-      !(diagnosis.condition <= method.diagnosis.report_above);
+    const double limit = method.diagnosis.report_above;
     throw_together(
       grid.communicator(),
       where(),
       "Newton does not converge, with the step halved " +
         std::to_string(limits.maximum_halvings) + " times to " +
         brief(step.time_step) + " s: " + solution.newton.problem + "; " +
-        diagnosis.text(has_jacobian ? "Jacobian" : "mass matrix") +
-        (is_small_cut ? "" : ", which is harmless"),
+        diagnosis.verdict(has_jacobian ? "Jacobian" : "mass matrix", limit),
       std::string("the last accepted state was kept. ") +
-        (is_small_cut ? small_cut_remedy : "Use more Points per direction.") +
-        " Else: a larger Solver/Maximum iterations, a smaller Time/Factor or "
-        "Step size, or a stiffer or finer model; Time/Maximum halvings allows "
-        "smaller steps.");
+        (diagnosis.is_above(limit) ? small_cut_remedy : "") +
+        "Use more Points per direction, a larger Solver/Maximum iterations, a "
+        "smaller Time/Factor or Step size, or a stiffer or finer model; "
+        "Time/Maximum halvings allows smaller steps.");
   }
 
   template <int dim>
@@ -178,7 +176,7 @@ namespace emmy
     for (const auto &[name, diagnosis] :
          {std::make_pair("mass matrix", &findings->mass),
           std::make_pair("Jacobian", &findings->jacobian)})
-      if (!(diagnosis->condition <= method.diagnosis.report_above))
+      if (diagnosis->is_above(method.diagnosis.report_above))
         solution.findings.push_back(where() + ": " + diagnosis->text(name));
   }
 
@@ -277,15 +275,19 @@ namespace emmy
         : start.active->make_vector();
     const LinearResult result =
       map_velocity(method.mapping, wall_velocity, *linear_solver, start);
-    if (!result.is_solved)
-      throw_together(
-        grid.communicator(),
-        where(),
-        "the velocity of the grid could not be found: " + result.problem +
-          "; " +
-          diagnose(start.mass, stencils, points, layout, *start.active)
-            .text("mass matrix"),
-        std::string(small_cut_remedy) + " Else Solver/Linear solver = direct.");
+    if (result.is_solved)
+      return;
+    const Diagnosis<dim> diagnosis =
+      diagnose_matrix(start.mass, stencils, points);
+    const double limit = method.diagnosis.report_above;
+    throw_together(
+      grid.communicator(),
+      where(),
+      "the velocity of the grid could not be found: " + result.problem + "; " +
+        diagnosis.verdict("mass matrix", limit),
+      std::string(diagnosis.is_above(limit) ? small_cut_remedy : "") +
+        "Use more Points per direction, or Solver/Linear solver "
+        "= direct.");
   }
 
   template <int dim>

@@ -1,13 +1,15 @@
 // The condition estimate against closed forms and a singular value
-// decomposition, on any number of ranks; what the doctor finds where a sliver
-// of a block enters a new column of cells, with and without ghost
-// stabilisation.
+// decomposition; what the doctor finds where particles of a block enter a new
+// cell, with and without ghost stabilisation; that a step reports it if asked,
+// and does the same as if not asked. On any number of ranks.
 
 #include <deal.II/lac/lapack_full_matrix.h>
 
+#include <emmy/material/hencky.h>
 #include <emmy/step/doctor.h>
 
 #include "../check.h"
+#include "../scene.h"
 
 using namespace emmy;
 
@@ -168,6 +170,247 @@ namespace
     test::check(std::isnan(Example(missing).estimate().condition()),
                 "no estimate of what is no number");
   }
+
+  /**
+   * A block of 3 x 3 cells with 2 x 2 particles each, and more in the cell
+   * that follows its middle row, at these distances from the cell's lower
+   * corner, in cell sizes. They are the last particles, from 36 on.
+   */
+  struct Scouts
+  {
+    Diagnosis<2> mass;
+
+    Scouts(const std::vector<dealii::Point<2>> &scouts,
+           const double                         ghost_mass   = 0.,
+           const MPI_Comm                       communicator = MPI_COMM_WORLD)
+    {
+      dealii::ParameterAcceptor::clear();
+      GridParameters<2> parameters;
+      parameters.cells        = {8, 8};
+      parameters.upper_corner = dealii::Point<2>(4., 8.);
+      const BackgroundGrid<2>     grid(parameters, communicator);
+      const BoundaryParameters    boundary(2);
+      const BoundaryConditions<2> walls(boundary, grid);
+
+      FieldLayout                           layout = basic_fields(2);
+      const LinearShapeFunctions<2>         shape_functions(layout["body"]);
+      dealii::Particles::ParticleHandler<2> particles(grid.triangulation(),
+                                                      grid.mapping(),
+                                                      layout.n_components());
+      std::vector<double>                   values = layout.initial_values();
+      values[layout["mass"]]                       = 2.5;
+      unsigned int id                              = 0;
+      const auto   insert = [&](const std::array<unsigned int, 2> &index,
+                              const dealii::Point<2>            &reference) {
+        const auto cell = grid.cell_at(index);
+        if (cell != grid.triangulation().end() && cell->is_locally_owned())
+          {
+            dealii::Point<2> x = cell->vertex(0);
+            for (unsigned int d = 0; d < 2; ++d)
+              x[d] += reference[d] * grid.cell_size()[d];
+            particles.insert_particle(
+              x,
+              reference,
+              id,
+              cell,
+              dealii::ArrayView<const double>(values.data(), values.size()));
+          }
+        ++id;
+      };
+      for (unsigned int i = 0; i < 9; ++i)
+        for (unsigned int p = 0; p < 4; ++p)
+          insert({{2 + i % 3, 2 + i / 3}},
+                 dealii::Point<2>(p % 2 ? 0.75 : 0.25, p / 2 ? 0.75 : 0.25));
+      for (const auto &scout : scouts)
+        insert({{5, 3}}, scout);
+      particles.update_cached_numbers();
+
+      ElasticConstants constants;
+      constants.density       = 20.; // of 2 x 2 particles in a cell
+      constants.young_modulus = 3.;
+      constants.poisson_ratio = 0.;
+      const Hencky<2>     material(constants.completed("test"));
+      const GhostFaces<2> ghost_faces(ghost_mass, 0., {&material});
+      const PointMapping  mapping;
+      ParticlesToGrid<2>  particles_to_grid(
+        grid, walls, layout, mapping, ghost_mass > 0. ? &ghost_faces : nullptr);
+      const auto  stencils = shape_functions.evaluate(particles, grid);
+      const auto  points   = gather(stencils, layout);
+      const auto &start    = particles_to_grid(stencils, points);
+      mass = diagnose(start.mass, stencils, points, layout, *start.active);
+    }
+  };
+
+  /** Two particles, a distance apart along the face, so deep in the cell. */
+  std::vector<dealii::Point<2>>
+  pair(const double distance, const double depth)
+  {
+    return {dealii::Point<2>(depth, 0.5 - distance / 2.),
+            dealii::Point<2>(depth, 0.5 + distance / 2.)};
+  }
+
+  void
+  check_scouts()
+  {
+    const bool is_first =
+      dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
+    double before = 0.;
+    for (const double distance : {1e-1, 1e-2, 1e-3, 1e-4})
+      {
+        const Scouts       two(pair(distance, 0.1));
+        const Scouts       stabilised(pair(distance, 0.1), 0.25);
+        const Diagnosis<2> found = two.mass;
+        if (is_first)
+          std::cout << "pair " << distance << " apart: condition "
+                    << found.condition << ", with ghosts "
+                    << stabilised.mass.condition << '\n';
+        // the two new nodes feel their difference with its square
+        if (distance < 1e-2)
+          test::check_close(found.condition / before,
+                            100.,
+                            2.,
+                            "condition grows with 1/distance^2");
+        before = found.condition;
+        test::check(stabilised.mass.condition < 20.,
+                    "ghost stabilisation bounds the condition");
+
+        // the new nodes are at x = 3, y = 3 and 4
+        test::check(!found.is_singular, "a pair is not singular");
+        test::check(found.nodes.size() == 2, "two weak nodes");
+        for (const WeakNode<2> &node : found.nodes)
+          {
+            test::check_close(node.position[0], 3., 1e-12, "weak node, x");
+            test::check_close(node.position[1], 3.5, 0.5 + 1e-12, "and y");
+            test::check(node.n_particles == 2 && node.feeders.size() == 2 &&
+                          node.feeders[0].id + node.feeders[1].id == 36 + 37,
+                        "the pair reaches it, and nobody else");
+            test::check(node.cells.size() == 1, "it has one active cell");
+            test::check_close(node.cells[0].distance(
+                                dealii::Point<2>(2.75, 3.5)),
+                              0.,
+                              1e-12,
+                              "that of the pair");
+          }
+      }
+
+    // what a node's share alone does, the scaling takes away
+    const double deep    = Scouts(pair(0.5, 0.1)).mass.condition,
+                 shallow = Scouts(pair(0.5, 1e-8)).mass.condition,
+                 least   = Scouts(pair(0.5, 1e-12)).mass.condition;
+    if (is_first)
+      std::cout << "pair 0.1, 1e-8, 1e-12 deep: condition " << deep << ", "
+                << shallow << ", " << least << '\n';
+    test::check(least < 3. * deep, "a shallow pair is harmless");
+    test::check_close(least / shallow, 1., 1e-5, "as shallow as may be");
+  }
+
+  void
+  check_alone()
+  {
+    const Scouts one({dealii::Point<2>(0.3, 0.4)});
+    test::check(one.mass.is_singular, "one particle feeds two new nodes");
+    test::check(one.mass.condition <= 1e16, "a finite number for the ledger");
+    const std::string text = one.mass.text("mass matrix");
+    for (const char *words :
+         {"the scaled mass matrix has the condition number",
+          "singular to round-off; weakest at node (3, ",
+          "m of the active cell around (2.75, 3.5)",
+          "1 particle reaches it: id 36 at (2.65, 3.4) with S = 0.1"})
+      test::check(text.find(words) != std::string::npos,
+                  "the text lacks <" + std::string(words) + ">: " + text);
+    test::check(!Scouts({dealii::Point<2>(0.3, 0.4)}, 0.25).mass.is_singular,
+                "ghost stabilisation holds it");
+
+    // the same on all ranks, and as on one
+    const Scouts two(pair(1e-3, 0.1));
+    const Scouts alone(pair(1e-3, 0.1), 0., MPI_COMM_SELF);
+    test::check_close(two.mass.condition / alone.mass.condition,
+                      1.,
+                      1e-5,
+                      "condition on one rank");
+    test::check(two.mass.text("mass matrix") == alone.mass.text("mass matrix"),
+                "on all ranks <" + two.mass.text("mass matrix") +
+                  ">, on one <" + alone.mass.text("mass matrix") + ">");
+  }
+
+  /** A block as soft as gas, that flies a quarter of a cell and a bit in a
+   * step.
+   */
+  std::string
+  flying_block(const std::string &diagnosis)
+  {
+    return "set Dimension = 2\n"
+           "subsection Grid\nset Upper corner = 8, 8\nset Cells = 8, 8\nend\n"
+           "subsection Materials\nset Names = m\nsubsection m\n"
+           "set Model = Hencky\nset Density = 5\n"
+           "set Young's modulus = 1e-30\nset Poisson's ratio = 0.3\nend\nend\n"
+           "subsection Bodies\nset Names = block\nsubsection block\n"
+           "set Shape = box\nset Material = m\nset Points per direction = 2\n"
+           "set Initial velocity = 0.25000000001; 0\n"
+           "subsection box\nset Lower corner = 1, 2\n"
+           "set Upper corner = 4, 5\nend\nend\nend\n"
+           "subsection Time\nset End time = 9\nset Step rule = fixed\n"
+           "set Step size = 1\nend\n" +
+           diagnosis;
+  }
+
+  void
+  check_step()
+  {
+    const SceneParameters<2> plain_parameters(
+      ParameterFile::from_text(flying_block(""), "block"));
+    test::RunningScene<2> plain(plain_parameters);
+    plain.advance(2);
+    test::check(!plain.scene.stepper.diagnosis(), "no diagnosis unless asked");
+
+    const SceneParameters<2> parameters(ParameterFile::from_text(
+      flying_block("subsection Diagnosis\nset Small cuts = true\n"
+                   "set Report above = 50\nend\n"),
+      "block"));
+    test::RunningScene<2>    asked(parameters);
+    asked.ledger.add(asked.scene.stepper.advance());
+    const StepReport report = asked.scene.stepper.advance();
+    asked.ledger.add(report);
+    test::check(report.findings.size() == 2, "two findings");
+
+    // the same step, and two columns more
+    auto names = plain.ledger.columns();
+    for (const std::string &name : names)
+      test::check(plain.column(name) == asked.column(name),
+                  name + " is the same if asked");
+    names.insert(names.end(), {"mass_condition", "jacobian_condition"});
+    test::check(asked.ledger.columns() == names, "two columns more");
+    test::check(asked.column("mass_condition")[0] == 0.,
+                "no condition before the first step");
+
+    // Nothing resists but the mass, and the new nodes have S = 1e-11, where
+    // the damping of 1e-13 that Newton solves with would show.
+    std::cout << "condition of the mass " << asked.ledger["mass_condition"]
+              << ", of the Jacobian " << asked.ledger["jacobian_condition"]
+              << '\n';
+    test::check(asked.ledger["mass_condition"] > 80., "a sliver");
+    test::check_close(asked.ledger["jacobian_condition"] /
+                        asked.ledger["mass_condition"],
+                      1.,
+                      1e-4,
+                      "without stiffness the Jacobian is the mass");
+
+    const StepDiagnosis<2> *found   = asked.scene.stepper.diagnosis();
+    const auto             &active  = *asked.scene.stepper.grid_start().active;
+    double                  largest = 0.;
+    for (const double weakness : found->mass.weakness)
+      largest = std::max(largest, weakness);
+    test::check(found->mass.weakness.size() == active.n_local_nodes(),
+                "a weakness for each node");
+    test::check_close(dealii::Utilities::MPI::max(largest, MPI_COMM_WORLD),
+                      1.,
+                      1e-15,
+                      "the weakest has 1");
+    test::check_close(found->mass.nodes[0].position[0],
+                      5.,
+                      1e-12,
+                      "it is in the new column");
+  }
 } // namespace
 
 int
@@ -177,5 +420,8 @@ main(int argc, char *argv[])
   check_shears();
   check_hilbert();
   check_singular();
+  check_scouts();
+  check_alone();
+  check_step();
   return test::report();
 }

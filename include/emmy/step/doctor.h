@@ -75,6 +75,14 @@ namespace emmy
      */
     std::string
     text(const std::string &name) const;
+
+    /** Whether the condition number is above a limit, or is no number. */
+    bool
+    is_above(const double limit) const;
+
+    /** text() above the limit; else that no small cut is to blame. */
+    std::string
+    verdict(const std::string &name, const double limit) const;
   };
 
   /**
@@ -97,7 +105,7 @@ namespace emmy
     Diagnosis<dim> mass, jacobian;
   };
 
-  /** What helps against small cuts, for the remedy of an error. */
+  /** What helps against small cuts: a sentence for an error's remedy. */
   extern const char *const small_cut_remedy;
 } // namespace emmy
 
