@@ -182,7 +182,7 @@ namespace emmy
     scaled.copy_from(matrix);
     auto &epetra = const_cast<Epetra_CrsMatrix &>(scaled.trilinos_matrix());
     auto &factor = const_cast<Epetra_MultiVector &>(scale.trilinos_vector());
-    const Epetra_Vector view(View, factor, 0);
+    const Epetra_Vector view(Epetra_DataAccess::View, factor, 0);
     epetra.LeftScale(view);
     epetra.RightScale(view);
     // nothing couples to a constrained unknown now; a unit diagonal keeps the
