@@ -31,6 +31,8 @@ namespace emmy
                     "active_cells",
                     "active_dofs",
                     "particles"});
+      for (const StepMeasure &measure : initial.measures)
+        names.push_back(measure.name);
       return names;
     }
   } // namespace
@@ -96,6 +98,9 @@ namespace emmy
           report.active_dofs,
           report.totals.particles})
       row.push_back(count);
+    for (const StepMeasure &measure : report.measures)
+      row.push_back(measure.value);
+    AssertDimension(row.size(), names.size());
     all_rows.push_back(row);
     if (file.is_open())
       write_row(row);

@@ -103,6 +103,13 @@ namespace emmy
 
 
   void
+  Progress::record(const std::string &text)
+  {
+    log << text << std::endl;
+  }
+
+
+  void
   Progress::finish()
   {
     if (last_line.empty())

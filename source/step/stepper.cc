@@ -44,12 +44,15 @@ namespace emmy
       timed("particles to grid", [&]() -> GridStart<dim> & {
         return particles_to_grid(stencils, points);
       });
-    timed("velocity from momentum", [&] { velocity_from_momentum(at_start); });
     start = &at_start;
+    timed("velocity from momentum",
+          [&] { velocity_from_momentum(stencils, points, at_start); });
 
     // solve; until here and for as long as the step fails, particles keep
     // their states
     Solution solution = solve(stencils, points);
+    if (method.diagnosis.small_cuts)
+      timed("diagnosis", [&] { examine(stencils, points, solution); });
 
     // grid -> particles
     const StepReport result = timed("accounts", [&] {
@@ -105,16 +108,7 @@ namespace emmy
             break;
           }
         if (halvings == limits.maximum_halvings)
-          throw_together(
-            grid.communicator(),
-            where(),
-            "Newton does not converge, with the step halved " +
-              std::to_string(halvings) + " times to " + brief(step.time_step) +
-              " s: " + solution.newton.problem,
-            "the last accepted state was kept. Use more Points per "
-            "direction, a larger Solver/Maximum iterations, a smaller "
-            "Time/Factor or Step size, or a stiffer or finer model; "
-            "Time/Maximum halvings allows smaller steps.");
+          give_up(step, solution);
         solution.notes.push_back(where() + ": " + solution.newton.problem +
                                  "; halved to " + brief(0.5 * step.time_step) +
                                  " s");
@@ -123,6 +117,78 @@ namespace emmy
     solution.velocity =
       velocity_new(solution.displacement, start->velocity, solution.time_step);
     return solution;
+  }
+
+  template <int dim>
+  void
+  Stepper<dim>::give_up(const StepData<dim> &step, Solution &solution) const
+  {
+    // What Newton left may be damped. Where the equation has no meaning there
+    // is no derivative, but there is a mass.
+    const bool has_jacobian =
+      solution.equation->evaluate(solution.displacement,
+                                  /*with_jacobian=*/true);
+    const Diagnosis<dim> diagnosis =
+      has_jacobian
+        ? diagnose_matrix(undamped_jacobian(*solution.equation,
+                                            step.start,
+                                            step.time_step),
+                          step.stencils,
+                          step.points)
+        : diagnose_matrix(step.start.mass, step.stencils, step.points);
+    const double limit = method.diagnosis.report_above;
+    throw_together(
+      grid.communicator(),
+      where(),
+      "Newton does not converge, with the step halved " +
+        std::to_string(limits.maximum_halvings) + " times to " +
+        brief(step.time_step) + " s: " + solution.newton.problem + "; " +
+        diagnosis.verdict(has_jacobian ? "Jacobian" : "mass matrix", limit),
+      std::string("the last accepted state was kept. ") +
+        (diagnosis.is_above(limit) ? small_cut_remedy : "") +
+        "Use more Points per direction, a larger Solver/Maximum iterations, a "
+        "smaller Time/Factor or Step size, or a stiffer or finer model; "
+        "Time/Maximum halvings allows smaller steps.");
+  }
+
+  template <int dim>
+  Diagnosis<dim>
+  Stepper<dim>::diagnose_matrix(const Matrix           &matrix,
+                                const Stencils<dim>    &stencils,
+                                const PointArrays<dim> &points) const
+  {
+    return diagnose(matrix, stencils, points, layout, *start->active);
+  }
+
+  template <int dim>
+  void
+  Stepper<dim>::examine(const Stencils<dim>    &stencils,
+                        const PointArrays<dim> &points,
+                        Solution               &solution)
+  {
+    findings  = std::make_unique<StepDiagnosis<dim>>();
+    *findings = {diagnose_matrix(start->mass, stencils, points),
+                 diagnose_matrix(undamped_jacobian(*solution.equation,
+                                                   *start,
+                                                   solution.time_step),
+                                 stencils,
+                                 points)};
+    for (const auto &[name, diagnosis] :
+         {std::make_pair("mass matrix", &findings->mass),
+          std::make_pair("Jacobian", &findings->jacobian)})
+      if (diagnosis->is_above(method.diagnosis.report_above))
+        solution.findings.push_back(where() + ": " + diagnosis->text(name));
+  }
+
+  template <int dim>
+  std::vector<StepMeasure>
+  Stepper<dim>::measures() const
+  {
+    if (!method.diagnosis.small_cuts)
+      return {};
+    return {{"mass_condition", findings ? findings->mass.condition : 0.},
+            {"jacobian_condition",
+             findings ? findings->jacobian.condition : 0.}};
   }
 
   template <int dim>
@@ -201,7 +267,9 @@ namespace emmy
 
   template <int dim>
   void
-  Stepper<dim>::velocity_from_momentum(GridStart<dim> &start)
+  Stepper<dim>::velocity_from_momentum(const Stencils<dim>    &stencils,
+                                       const PointArrays<dim> &points,
+                                       GridStart<dim>         &start)
   {
     if (!linear_solver)
       linear_solver =
@@ -213,14 +281,19 @@ namespace emmy
         : start.active->make_vector();
     const LinearResult result =
       map_velocity(method.mapping, wall_velocity, *linear_solver, start);
-    throw_together(grid.communicator(),
-                   where(),
-                   result.is_solved ? ""
-                                    : "the velocity of the grid could not be "
-                                      "found: " +
-                                        result.problem,
-                   "use more Points per direction, or Solver/Linear solver = "
-                   "direct.");
+    if (result.is_solved)
+      return;
+    const Diagnosis<dim> diagnosis =
+      diagnose_matrix(start.mass, stencils, points);
+    const double limit = method.diagnosis.report_above;
+    throw_together(
+      grid.communicator(),
+      where(),
+      "the velocity of the grid could not be found: " + result.problem + "; " +
+        diagnosis.verdict("mass matrix", limit),
+      std::string(diagnosis.is_above(limit) ? small_cut_remedy : "") +
+        "Use more Points per direction, or Solver/Linear solver "
+        "= direct.");
   }
 
   template <int dim>
@@ -238,6 +311,7 @@ namespace emmy
     result.energies  = method.balance.energy_entries();
     for (const EnergyEntry &entry : energy_entries(StepAccounts()))
       result.energies.push_back(entry);
+    result.measures = measures();
     result.active_cells =
       dealii::Utilities::MPI::sum(static_cast<std::uint64_t>(
                                     start->active->cells().size()),
@@ -284,7 +358,9 @@ namespace emmy
                                   grid.communicator());
     result.active_dofs = start->active->n_dofs();
     result.is_damped   = solution.newton.is_damped;
+    result.measures    = measures();
     result.notes       = solution.notes;
+    result.findings    = solution.findings;
     return result;
   }
 
@@ -329,6 +405,13 @@ namespace emmy
   Stepper<dim>::grid_velocity() const
   {
     return velocity;
+  }
+
+  template <int dim>
+  const StepDiagnosis<dim> *
+  Stepper<dim>::diagnosis() const
+  {
+    return findings.get();
   }
 
   template class Stepper<2>;

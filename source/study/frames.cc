@@ -167,10 +167,19 @@ namespace emmy
       return sums;
     }());
 
-    DataFile<dim, dim> file(
-      {{"velocity_old", dim, "m/s", "velocity at the start of the step"},
-       {"velocity_new", dim, "m/s", "velocity at the end of the step"},
-       {"mass", 1, "kg", "nodal mass, sum of S m"}});
+    std::vector<FieldDescription> fields{
+      {"velocity_old", dim, "m/s", "velocity at the start of the step"},
+      {"velocity_new", dim, "m/s", "velocity at the end of the step"},
+      {"mass", 1, "kg", "nodal mass, sum of S m"}};
+    const StepDiagnosis<dim> *diagnosis = scene.stepper.diagnosis();
+    if (diagnosis)
+      for (const std::string name : {"mass", "jacobian"})
+        fields.push_back({name + "_weakness",
+                          1,
+                          "1",
+                          "how far the vector that the scaled " + name +
+                            " matrix sees least goes here; 1: the weakest"});
+    DataFile<dim, dim> file(fields);
     file.reserve(active.cells().size());
     std::vector<double> values;
     for (unsigned int cell = 0; cell < active.cells().size(); ++cell)
@@ -187,6 +196,10 @@ namespace emmy
             for (unsigned int c = 0; c < dim; ++c)
               values.push_back(new_velocity[dim * node + c]);
             values.push_back(mass[dim * node]);
+            if (diagnosis)
+              values.insert(values.end(),
+                            {diagnosis->mass.weakness[node],
+                             diagnosis->jacobian.weakness[node]});
           }
         file.add_cell(vertices,
                       dealii::ArrayView<const double>(values.data(),

@@ -73,6 +73,23 @@ namespace emmy
         out << ", " << std::abs(ledger["balance_error"]) / course.largest_energy
             << " of the largest energy";
       out << '\n';
+      for (const auto &[column, matrix] :
+           {std::make_pair("mass_condition", "mass matrix"),
+            std::make_pair("jacobian_condition", "Jacobian")})
+        {
+          const auto name =
+            std::find(names.begin(), names.end(), column) - names.begin();
+          if (name == static_cast<std::ptrdiff_t>(names.size()))
+            continue;
+          const auto &worst =
+            *std::max_element(ledger.rows().begin(),
+                              ledger.rows().end(),
+                              [name](const auto &a, const auto &b) {
+                                return a[name] < b[name];
+                              });
+          out << "largest condition of the scaled " << matrix << ' '
+              << worst[name] << ", at step " << worst[0] << '\n';
+        }
       if (course.n_damped > 0)
         out << "steps that needed a damped Newton matrix: " << course.n_damped
             << " (named in run.log)\n";
@@ -99,6 +116,8 @@ namespace emmy
           report = scene.stepper.advance();
           for (const std::string &note : report.notes)
             progress.note(note);
+          for (const std::string &finding : report.findings)
+            progress.record(finding);
           ledger.add(report);
           throw_together(scene.grid.communicator(),
                          "Ledger",

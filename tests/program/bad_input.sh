@@ -291,6 +291,24 @@ check 'infinite velocity of a wall: the ledger has the two accepted rows' \
   has_lines 4 results/ledger.csv
 rm -rf results
 
+echo "Small cuts"
+# a single particle: its mass has rank one, so Newton gets one iteration
+falling='Effects/Names=gravity'
+alone='Bodies/block/Points per direction=1'
+emmy_run base.prm --set "$alone" --set "$falling" --set 'Effects/Gravity/Acceleration=0, -1' \
+  --set 'Solver/Maximum iterations=1' --set 'Time/Maximum halvings=0'
+check 'a step that fails at a small cut: exit code 1' [ "$status" -eq 1 ]
+expect_error 'a step that fails at a small cut' \
+  'Step 1 from t = 0 s|the scaled Jacobian has the condition number|singular to round-off|weakest at node (|m of the active cell around (1.5, 1.5); 1 particle reaches it: id 0 at (1.5, 1.5) with S = 0.25|Effects/Names = ghost stabilisation|Method/Lumping above 0|more Points per direction'
+rm -rf results
+emmy_run base.prm --set 'Bodies/block/Initial velocity=x; 0' \
+  --set 'Solver/Maximum iterations=1' --set 'Time/Maximum halvings=0'
+check 'a step that fails elsewhere: exit code 1' [ "$status" -eq 1 ]
+expect_error 'a step that fails elsewhere' \
+  'the scaled Jacobian has the condition number|so no small cut is to blame|larger Solver/Maximum iterations'
+check 'a step that fails elsewhere: no talk of ghosts' has_lines 0 "$work/err" ghost
+rm -rf results
+
 echo "Domains of GIMP"
 # A turn by 90 degrees: F_ii = 0.
 turning='Bodies/block/Initial velocity=-6*(y - 1.5); 6*(x - 1.5)'

@@ -59,7 +59,7 @@ check 'reference: every entry has a comment above it' [ -z "$(
   awk '/^ *set / && last !~ /^ *#/ { print }
        { last = $0 }' ../reference.prm
 )" ]
-for section in Grid Materials Bodies 'Boundary conditions' Effects Method Time Solver Output; do
+for section in Grid Materials Bodies 'Boundary conditions' Effects Method Time Solver Diagnosis Output; do
   check "reference: has section $section" matches ../reference.prm "^subsection $section\$"
 done
 prints 'the reference as a file' --print-parameters ../reference.prm
@@ -183,6 +183,25 @@ accepted 'effect with its name' unused.prm --set "$moving" \
 check 'effect with its name: another ledger' not cmp -s first/ledger.csv used/ledger.csv
 check 'effect with its name: the column of its work' [ "$(header used)" = \
   "$before_stress,strain_energy,load_work,$after_works,linear_momentum_x,linear_momentum_y,angular_momentum_z,$counts" ]
+
+echo "Diagnosis"
+accepted 'diagnosis' base.prm --set "$moving" --set 'Diagnosis/Small cuts=true' \
+  --set 'Diagnosis/Report above=1' --set 'Output/Directory=diagnosed'
+check 'diagnosis: two columns more' [ "$(header diagnosed)" = "$(header first),mass_condition,jacobian_condition" ]
+check 'diagnosis: all else is the same' [ "$(
+  cut -d , -f 1-"$(header first | tr , '\n' | wc -l)" diagnosed/ledger.csv | cksum
+)" = "$(cksum <first/ledger.csv)" ]
+check 'diagnosis: run.log names places, for each matrix and step' \
+  has_lines 16 diagnosed/run.log '^Step [0-9]+ .*: the scaled .* weakest at node'
+check 'diagnosis: the screen does not' has_lines 0 "$work/out" 'weakest at node'
+check 'diagnosis: the largest of the run' \
+  has_lines 2 "$work/out" '^largest condition of the scaled .*, at step [1-8]$'
+check 'diagnosis: its time' matches diagnosed/run.log '^diagnosis '
+for field in mass_weakness jacobian_weakness; do
+  check "diagnosis: $field in fields.txt" matches diagnosed/fields.txt "$field"
+  check "diagnosis: $field only then" not matches first/fields.txt "$field"
+done
+check 'no diagnosis: no time' not matches first/run.log '^diagnosis '
 
 echo "Three dimensions"
 sed -e 's/Dimension = 2/Dimension = 3/' -e 's/= 0, 0$/= 0, 0, 0/' \

@@ -22,6 +22,13 @@ namespace emmy
     double      change; ///< in this step, J
   };
 
+  /** A number of a step that enters no balance: a column of the ledger. */
+  struct StepMeasure
+  {
+    std::string name; ///< ledger column
+    double      value;
+  };
+
   /** All that is to be told of an accepted step, summed over the ranks. */
   struct StepReport
   {
@@ -43,8 +50,12 @@ namespace emmy
     std::uint64_t active_cells = 0, active_dofs = 0;
     /** Whether Newton converged only with a damped matrix. */
     bool is_damped = false;
-    /** Things worth a line in the log. */
+    /** What was measured besides; the same names in all reports. */
+    std::vector<StepMeasure> measures;
+    /** Things worth a line on the screen and in the log. */
     std::vector<std::string> notes;
+    /** Things for the log alone. */
+    std::vector<std::string> findings;
   };
 } // namespace emmy
 

@@ -23,8 +23,8 @@ namespace emmy
     using Row = std::vector<double>;
 
     /**
-     * @param initial  the state before the first step; its energy entries are
-     *   those of all later reports
+     * @param initial  the state before the first step; its energy entries and
+     *   measures are those of all later reports
      * @param dim      2: only momenta in the plane
      */
     Ledger(const StepReport &initial, const unsigned int dim);

@@ -63,6 +63,10 @@ namespace emmy
     void
     note(const std::string &text);
 
+    /** Print a line to the log alone. */
+    void
+    record(const std::string &text);
+
     /** Show the last step if it was skipped, and leave the cursor below. */
     void
     finish();

@@ -5,6 +5,7 @@
 #include <emmy/assembly/step_report.h>
 #include <emmy/solve/newton.h>
 #include <emmy/step/accounts.h>
+#include <emmy/step/doctor.h>
 #include <emmy/step/step_rule.h>
 #include <emmy/transfer/domain_update.h>
 #include <emmy/transfer/grid_to_particles.h>
@@ -20,6 +21,7 @@ namespace emmy
     const PointMapping        &mapping;
     const StepRule<dim>       &step_rule;
     const Balance<dim>        &balance;
+    const DiagnosisParameters &diagnosis;
   };
 
   /**
@@ -65,6 +67,10 @@ namespace emmy
     const Vector &
     grid_velocity() const;
 
+    /** What was found in the last step; null unless it was asked for. */
+    const StepDiagnosis<dim> *
+    diagnosis() const;
+
   private:
     /** Call @p stage and book its time under @p phase. */
     template <class Stage>
@@ -82,7 +88,7 @@ namespace emmy
       NewtonResult                       newton;
       double                             time_step;
       Vector                             displacement, velocity;
-      std::vector<std::string>           notes;
+      std::vector<std::string>           notes, findings;
     };
 
     /** For the rates in the table of phases. */
@@ -92,7 +98,24 @@ namespace emmy
     next_time_step(const Stencils<dim>    &stencils,
                    const PointArrays<dim> &points) const;
     void
-    velocity_from_momentum(GridStart<dim> &start);
+    velocity_from_momentum(const Stencils<dim>    &stencils,
+                           const PointArrays<dim> &points,
+                           GridStart<dim>         &start);
+    Diagnosis<dim>
+    diagnose_matrix(const Matrix           &matrix,
+                    const Stencils<dim>    &stencils,
+                    const PointArrays<dim> &points) const;
+    /** Estimate the conditions of both matrices of a solved step. */
+    void
+    examine(const Stencils<dim>    &stencils,
+            const PointArrays<dim> &points,
+            Solution               &solution);
+    /** The numbers that examine() found; zero before the first step. */
+    std::vector<StepMeasure>
+    measures() const;
+    /** Say why the step fails at its smallest size. Throws on all ranks. */
+    void
+    give_up(const StepData<dim> &step, Solution &solution) const;
     Solution
     solve(const Stencils<dim> &stencils, const PointArrays<dim> &points);
     /** Trial states of an accepted solution: positions, velocities, domains. */
@@ -123,9 +146,11 @@ namespace emmy
     std::unique_ptr<LinearSolver> linear_solver;
     const GridStart<dim>         *start = nullptr;
     Vector                        velocity;
-    std::uint64_t                 most_cut_domains = 0; ///< of all steps
-    unsigned int                  step_number      = 0;
-    double                        time             = 0.;
+    /** Null unless asked for, and before the first step. */
+    std::unique_ptr<StepDiagnosis<dim>> findings;
+    std::uint64_t                       most_cut_domains = 0; ///< of all steps
+    unsigned int                        step_number      = 0;
+    double                              time             = 0.;
   };
 } // namespace emmy
 

@@ -7,6 +7,7 @@
 #include <emmy/material/material.h>
 #include <emmy/particles/body.h>
 #include <emmy/solve/linear_solver.h>
+#include <emmy/step/doctor.h>
 #include <emmy/step/step_rule.h>
 #include <emmy/transfer/particles_to_grid.h>
 
@@ -110,6 +111,7 @@ namespace emmy
     MethodParameters                                              method;
     TimeParameters                                                time;
     SolverParameters                                              solver;
+    DiagnosisParameters                                           diagnosis;
     OutputParameters                                              output;
   };
 
