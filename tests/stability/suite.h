@@ -1,0 +1,138 @@
+#ifndef emmy_tests_stability_suite_h
+#define emmy_tests_stability_suite_h
+
+#include <emmy/study/scene.h>
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace emmy
+{
+  namespace stability
+  {
+    /** How a run went. */
+    struct Result
+    {
+      bool         has_ended = false;
+      std::string  problem; ///< in words, if it has not
+      unsigned int steps = 0, halvings = 0, damped = 0, most_iterations = 0,
+                   fewest_iterations = 0;
+      /** Largest condition of the scaled matrices; 0: not measured. */
+      double mass_condition = 0., jacobian_condition = 0.;
+      double energy       = 0.; ///< the largest kinetic + stored energy, J
+      double final_energy = 0.; ///< kinetic + stored, J
+      double final_strain = 0.; ///< strain energy at the end, J
+      double dissipated   = 0.; ///< by flow, J
+      double lost         = 0.; ///< ghost losses, J
+      /** Of energy: what no column of the ledger accounts for. */
+      double drift = 0.;
+      /** Of energy, largest in size over the steps. */
+      double balance_error = 0., residual_work = 0.;
+      /** Largest change, relative to m v and m v r of the start. */
+      double linear_momentum = 0., angular_momentum = 0.;
+      double seconds = 0.;
+      /** Balance error of each step, relative to energy. */
+      std::vector<double> balance_errors;
+    };
+
+    /** A file, what is set in it, and what is done to the scene before it runs.
+     */
+    template <int dim>
+    struct Run
+    {
+      std::string                       file; ///< in prm/
+      std::vector<std::string>          settings;
+      std::function<void(Scene<dim> &)> prepare;
+      bool                              with_conditions = false;
+      /**
+       * Whether the ledger must balance to 1e-11; without a remedy numbers at
+       * starved nodes can be so large that 1e-6 is all that round-off leaves.
+       */
+      bool is_stabilised = true;
+    };
+
+    using Point = std::pair<double, double>;
+
+    /**
+     * What the cases run, state and write. Holds the page that is made of it,
+     * doc/stability.md, and the curves of its picture.
+     */
+    class Suite
+    {
+    public:
+      explicit Suite(const std::string &source_folder)
+        : source_folder(source_folder)
+      {}
+
+      /** Begin the table of a case. */
+      void
+      open_case(const std::string &title, const std::string &text);
+
+      /**
+       * Run to the end, and add a row to the table. Whatever happens must be
+       * told: a run that ends balances, one that stops says where and why.
+       */
+      template <int dim>
+      Result
+      run(const std::string &variant, const Run<dim> &run);
+
+      /** The same for several runs in one row: the worst of each column. */
+      template <int dim>
+      std::vector<Result>
+      run_all(const std::string &variant, const std::vector<Run<dim>> &runs);
+
+      /** State a bound, print what was measured, and check it. */
+      void
+      at_most(const std::string &what, const double value, const double bound);
+      void
+      at_least(const std::string &what, const double value, const double bound);
+
+      /** A curve of panel @p panel of the picture. */
+      void
+      curve(const unsigned int        panel,
+            const std::string        &name,
+            const std::vector<Point> &points);
+
+      /** Write stability.md and pictures/stability.png to a folder. */
+      void
+      write(const std::string &folder) const;
+
+    private:
+      void
+      add_row(const std::string &variant, const std::vector<Result> &results);
+      void
+      bound(const std::string &what,
+            const double       value,
+            const double       limit,
+            const bool         holds,
+            const char        *relation);
+
+      struct Curve
+      {
+        unsigned int       panel;
+        std::string        name;
+        std::vector<Point> points;
+      };
+
+      const std::string  source_folder;
+      std::string        page;
+      bool               in_table = false;
+      std::vector<Curve> curves;
+    };
+
+    /** A case of the suite, by the name that ctest knows. */
+    struct Case
+    {
+      std::string name;
+      void (*run)(Suite &);
+    };
+
+    /** All cases, in the order of the page. */
+    std::vector<Case>
+    cases();
+  } // namespace stability
+} // namespace emmy
+
+#endif
