@@ -174,6 +174,7 @@ namespace emmy
     owned_dofs = range(dim * first, dim * end, dim * n_nodes);
     known_dofs = owned_dofs;
     known_dofs.add_indices(ghost_dofs);
+    zero.reinit(owned_dofs, communicator());
     node_partition = std::make_shared<dealii::Utilities::MPI::Partitioner>(
       range(first, end, n_nodes), ghost_nodes, communicator());
     dof_partition =
@@ -238,7 +239,9 @@ namespace emmy
   Vector
   ActiveGrid<dim>::make_vector() const
   {
-    return Vector(owned_dofs, communicator());
+    // Copies share one map. A map for each vector would take several exchanges,
+    // and deal.II would make the vector anew in each assignment.
+    return zero;
   }
 
   template <int dim>

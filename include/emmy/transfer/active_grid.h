@@ -91,7 +91,7 @@ namespace emmy
       return node_positions[local_node];
     }
 
-    /** A vector of unknowns, zero. */
+    /** A vector of unknowns, zero. No rank waits for another. */
     Vector
     make_vector() const;
 
@@ -188,6 +188,8 @@ namespace emmy
     dealii::IndexSet                          owned_dofs, known_dofs;
     dealii::AffineConstraints<double>         essential;
     dealii::TrilinosWrappers::SparsityPattern pattern;
+    /** What make_vector() copies. */
+    Vector zero;
   };
 } // namespace emmy
 
