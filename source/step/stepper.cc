@@ -55,10 +55,8 @@ namespace emmy
       timed("diagnosis", [&] { examine(stencils, points, solution); });
 
     // grid -> particles
-    const StepReport result = timed("accounts", [&] {
-      move(stencils, points, solution);
-      return report(solution, stencils, points);
-    });
+    const StepReport result =
+      timed("accounts", [&] { return report(solution, stencils, points); });
     timed("grid to particles", [&] {
       grid_to_particles(
         stencils, solution.equation->trial(), layout, grid, particles);
@@ -92,37 +90,51 @@ namespace emmy
 
         solution.newton = Newton(solver_parameters, *linear_solver, phases)
                             .solve(*solution.equation, solution.displacement);
+        Obstacle obstacle{solution.newton.problem, ""};
         if (solution.newton.is_converged)
-          {
-            if (solution.newton.is_damped)
-              solution.notes.push_back(
-                where() +
-                ": Newton converged only with a damped matrix (first " +
-                solution.newton.first_try + ")" +
-                (solution.newton.leaves_rest
-                   ? "; |r| stays at " +
-                       brief(solution.equation->residual().l2_norm() /
-                             solution.equation->scale()) +
-                       " of the forces"
-                   : std::string()));
-            break;
-          }
+          obstacle = timed("move", [&] {
+            solution.velocity = velocity_new(solution.displacement,
+                                             start->velocity,
+                                             solution.time_step);
+            return move(stencils, points, solution);
+          });
+        if (obstacle.problem.empty())
+          break;
         if (halvings == limits.maximum_halvings)
-          give_up(step, solution);
-        solution.notes.push_back(where() + ": " + solution.newton.problem +
+          give_up(step, obstacle, solution);
+        solution.notes.push_back(where() + ": " + obstacle.problem +
                                  "; halved to " + brief(0.5 * step.time_step) +
                                  " s");
       }
 
-    solution.velocity =
-      velocity_new(solution.displacement, start->velocity, solution.time_step);
+    if (solution.newton.is_damped)
+      solution.notes.push_back(
+        where() + ": Newton converged only with a damped matrix (first " +
+        solution.newton.first_try + ")" +
+        (solution.newton.leaves_rest
+           ? "; |r| stays at " +
+               brief(solution.equation->residual().l2_norm() /
+                     solution.equation->scale()) +
+               " of the forces"
+           : std::string()));
     return solution;
   }
 
   template <int dim>
   void
-  Stepper<dim>::give_up(const StepData<dim> &step, Solution &solution) const
+  Stepper<dim>::give_up(const StepData<dim> &step,
+                        const Obstacle      &obstacle,
+                        Solution            &solution) const
   {
+    const std::string halved = "with the step halved " +
+                               std::to_string(limits.maximum_halvings) +
+                               " times to " + brief(step.time_step) + " s";
+    if (solution.newton.is_converged)
+      throw_together(grid.communicator(),
+                     where(),
+                     obstacle.problem + ", also " + halved,
+                     "the last accepted state was kept. " + obstacle.remedy);
+
     // What Newton left may be damped. Where the equation has no meaning there
     // is no derivative, but there is a mass.
     const bool has_jacobian =
@@ -140,9 +152,7 @@ namespace emmy
     throw_together(
       grid.communicator(),
       where(),
-      "Newton does not converge, with the step halved " +
-        std::to_string(limits.maximum_halvings) + " times to " +
-        brief(step.time_step) + " s: " + solution.newton.problem + "; " +
+      "Newton does not converge, " + halved + ": " + obstacle.problem + "; " +
         diagnosis.verdict(has_jacobian ? "Jacobian" : "mass matrix", limit),
       std::string("the last accepted state was kept. ") +
         (diagnosis.is_above(limit) ? small_cut_remedy : "") +
@@ -192,48 +202,50 @@ namespace emmy
   }
 
   template <int dim>
-  void
+  typename Stepper<dim>::Obstacle
   Stepper<dim>::move(const Stencils<dim>    &stencils,
                      const PointArrays<dim> &points,
                      Solution               &solution)
   {
+    const auto agreed = [this](const std::string &problem) {
+      return agree_on_problem(grid.communicator(), problem);
+    };
     PointArrays<dim> &trial = solution.equation->trial();
-    throw_together(
-      grid.communicator(),
-      where(),
-      move_points(stencils,
-                  points,
-                  *start,
-                  grid,
-                  layout,
-                  method.mapping.flip_fraction,
-                  solution.displacement,
-                  solution.velocity,
-                  trial),
-      "the step was not accepted. Enlarge the grid (Grid/Lower "
-      "corner, Upper corner), end the run earlier (Time/End "
-      "time), fix that side (Boundary conditions), or, if it moves, "
-      "slow it down.");
-    if (!method.domain_update)
-      return;
+    Obstacle          obstacle;
+    obstacle = {agreed(move_points(stencils,
+                                   points,
+                                   *start,
+                                   grid,
+                                   layout,
+                                   method.mapping.flip_fraction,
+                                   solution.displacement,
+                                   solution.velocity,
+                                   trial)),
+                "Enlarge the grid (Grid/Lower corner, Upper corner), end the "
+                "run earlier (Time/End time), fix that side (Boundary "
+                "conditions), or, if it moves, slow it down."};
+    if (!method.domain_update || !obstacle.problem.empty())
+      return obstacle;
     (*method.domain_update)(stencils,
                             points,
                             *start->active,
                             start->active->to_local(solution.displacement),
                             trial);
-    throw_together(grid.communicator(),
-                   where(),
-                   DomainUpdate<dim>::problem(stencils, layout, grid, trial),
-                   "the step was not accepted. Use another Method/Domain "
-                   "update (stretch does not vanish under rotation, none "
-                   "keeps the size), or more Points per direction.");
+    obstacle                  = {agreed(
+                  DomainUpdate<dim>::problem(stencils, layout, grid, trial)),
+                                 "Use another Method/Domain update (stretch does not vanish "
+                                                  "under rotation, none keeps the size), or more Points per "
+                                                  "direction."};
     const std::uint64_t n_cut = DomainUpdate<dim>::n_cut(layout, grid, trial);
-    if (n_cut > most_cut_domains)
-      solution.notes.push_back(
-        where() + ": domains of " + std::to_string(n_cut) +
-        " particles are longer than two cells and act as if cut at that size; "
-        "more Points per direction or larger cells avoid it");
-    most_cut_domains = std::max(most_cut_domains, n_cut);
+    if (obstacle.problem.empty() && n_cut > most_cut_domains)
+      {
+        most_cut_domains = n_cut;
+        solution.notes.push_back(
+          where() + ": domains of " + std::to_string(n_cut) +
+          " particles are longer than two cells and act as if cut at that "
+          "size; more Points per direction or larger cells avoid it");
+      }
+    return obstacle;
   }
 
   template <int dim>

@@ -46,8 +46,9 @@ namespace emmy
     initial_report();
 
     /**
-     * One step. A step that does not converge leaves no trace and is tried
-     * again with half its size. Collective.
+     * One step. A step that does not converge, or that takes a particle out of
+     * the grid, leaves no trace and is tried again with half its size.
+     * Collective.
      *
      * Throws ExcRun on all ranks, with the particles as they were, if the
      * step converges at no allowed size, or a particle would leave the grid.
@@ -91,6 +92,12 @@ namespace emmy
       std::vector<std::string>           notes, findings;
     };
 
+    /** Why a step is not accepted, and what the user can do. */
+    struct Obstacle
+    {
+      std::string problem, remedy;
+    };
+
     /** For the rates in the table of phases. */
     void
     count_points(const std::size_t n_points, const std::size_t n_evaluations);
@@ -115,11 +122,16 @@ namespace emmy
     measures() const;
     /** Say why the step fails at its smallest size. Throws on all ranks. */
     void
-    give_up(const StepData<dim> &step, Solution &solution) const;
+    give_up(const StepData<dim> &step,
+            const Obstacle      &obstacle,
+            Solution            &solution) const;
     Solution
     solve(const Stencils<dim> &stencils, const PointArrays<dim> &points);
-    /** Trial states of an accepted solution: positions, velocities, domains. */
-    void
+    /**
+     * Trial states of a converged solution: positions, velocities, domains.
+     * @return what forbids to accept them, if anything; the same on all ranks
+     */
+    Obstacle
     move(const Stencils<dim>    &stencils,
          const PointArrays<dim> &points,
          Solution               &solution);
