@@ -1,8 +1,10 @@
 // The Taylor bar, example 7.4 of Pretti et al. (2023), and finer grids, against
 // the literature: radius of the foot, length, energies.
-//   test_taylor FILE.prm ...
-// runs each to its end and prints a row of the table in doc/taylor-bar.md, and
-// the history of the last. It checks what each of them must keep.
+//   test_taylor [--set ENTRY=VALUE ...] FILE.prm ...
+// runs each file to its end with these entries changed, and prints a row of
+// the table in doc/taylor-bar.md and the history. It checks what each run must
+// keep: energies, dissipation and ghost losses add up, and radius and length
+// lie within 5 % of the literature (10 % where h > 1 mm).
 
 #include <chrono>
 
@@ -114,9 +116,14 @@ namespace
   };
 
   void
-  run_bar(const std::string &file, std::ostream &out)
+  run_bar(const std::string              &file,
+          const std::vector<std::string> &settings,
+          std::ostream                   &out)
   {
-    const SceneParameters<3> parameters{ParameterFile(file)};
+    ParameterFile text(file);
+    for (const std::string &setting : settings)
+      text.set(setting);
+    const SceneParameters<3> parameters{text};
     const auto               start = std::chrono::steady_clock::now();
     Bar                      bar(parameters);
     const auto               measures = bar.advance_to_end();
@@ -163,11 +170,12 @@ namespace
             ": energies, dissipation and losses add to the initial energy");
     check(largest(run.column("balance_error")) <= 1e-11 * initial,
           name + ": balance error");
-    check(lost <= 0.015 * initial, name + ": ghost losses below 1.5 %");
-    check(std::abs(measures.back().radius / 7.226 - 1.) < 0.05,
-          name + ": radius within 5 % of the literature");
-    check(std::abs(measures.back().length / 21.42 - 1.) < 0.05,
-          name + ": length within 5 % of the literature");
+    const double tolerance = run.scene.grid.cell_size()[0] > 1e-3 ? 0.1 : 0.05;
+    check(lost <= 0.02 * initial, name + ": ghost losses below 2 %");
+    check(std::abs(measures.back().radius / 7.226 - 1.) < tolerance,
+          name + ": radius as in the literature");
+    check(std::abs(measures.back().length / 21.42 - 1.) < tolerance,
+          name + ": length as in the literature");
   }
 } // namespace
 
@@ -183,7 +191,11 @@ main(int argc, char *argv[])
          "largest plastic strain | initial energy, J | ghost losses, % | "
          "balance error / initial energy | most Newton iterations | seconds |\n"
          "|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+  std::vector<std::string> settings;
   for (int i = 1; i < argc; ++i)
-    run_bar(argv[i], out);
+    if (argv[i] == std::string("--set") && i + 1 < argc)
+      settings.push_back(argv[++i]);
+    else
+      run_bar(argv[i], settings, out);
   return test::report();
 }

@@ -180,9 +180,22 @@ namespace emmy
     void
     Suite::open_case(const std::string &title, const std::string &text)
     {
-      page += "\n## " + title + "\n\n" + text + "\n";
-      in_table = false;
+      close_case();
+      page +=
+        "\n## " + title + "\n\n" + text +
+        "\n\n| | runs to the end | steps | halved | damped | Newton | cond "
+        "M | cond J | ghost losses | work of residuals | unaccounted | "
+        "seconds |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n";
       std::cout << "\n" << title << "\n" << std::flush;
+    }
+
+    void
+    Suite::close_case()
+    {
+      if (!bounds.empty())
+        page += "\nMeasured, and what the test allows:\n" + bounds + "\n";
+      bounds.clear();
+      bound_variant.clear();
     }
 
     template <int dim>
@@ -211,13 +224,7 @@ namespace emmy
     Suite::add_row(const std::string         &variant,
                    const std::vector<Result> &results)
     {
-      if (!in_table)
-        page +=
-          "\n| | runs to the end | steps | halved | damped | Newton | cond M | "
-          "cond J | ghost losses | work of residuals | unaccounted | seconds |\n"
-          "|---|---|---|---|---|---|---|---|---|---|---|---|\n";
-      in_table = true;
-
+      last_variant         = variant;
       unsigned int n_ended = 0, steps = 0, halvings = 0, damped = 0, most = 0;
       double       seconds = 0., lost = 0.;
       for (const Result &one : results)
@@ -266,12 +273,14 @@ namespace emmy
                  const char        *relation)
     {
       std::ostringstream line;
-      line << what << ": " << std::setprecision(3) << value << " (" << relation
+      line << what << " " << std::setprecision(3) << value << " (" << relation
            << " " << limit << ")";
-      page += (in_table ? "\n- " : "- ") + line.str() + "\n";
-      in_table = false;
+      bounds += bound_variant == last_variant
+                  ? "; " + line.str()
+                  : "\n- " + last_variant + ": " + line.str();
+      bound_variant = last_variant;
       std::cout << "  " << line.str() << "\n" << std::flush;
-      test::check(holds, line.str());
+      test::check(holds, last_variant + ": " + line.str());
     }
 
     void
@@ -299,8 +308,9 @@ namespace emmy
     }
 
     void
-    Suite::write(const std::string &folder) const
+    Suite::write(const std::string &folder)
     {
+      close_case();
       std::ofstream(folder + "/stability.md")
         << "# What hard cases do\n\n"
            "Printed by `build/tests/test_stability all --write doc`; `ctest -L "
@@ -325,7 +335,7 @@ namespace emmy
       canvas.height = 900.;
       gnuplot::write_preamble(script, "stability", canvas);
       script << "set multiplot layout 1,2\nset logscale xy\n"
-                "set format '10^{%T}'\nset key outside below\n"
+                "set format '10^{%T}'\nset key outside below maxrows 2\n"
                 "set grid lc rgb '#dddddd'\n";
       const char *const titles[] = {
         "set title 'A tip enters a cell'\n"
@@ -347,8 +357,8 @@ namespace emmy
                   script << point.first << ' ' << point.second << '\n';
                 script << "EOD\n";
                 plots += (plots.empty() ? "plot " : ", ") + block + " with " +
-                         (panel == 0 ? "linespoints pt 7 ps 1.5" : "lines") +
-                         " lw 4 title " + gnuplot::quoted(curve.name);
+                         (panel == 0 ? "linespoints pt 7" : "lines") +
+                         " lw 3 title " + gnuplot::quoted(curve.name);
               }
           script << titles[panel] << plots << "\n";
         }

@@ -83,7 +83,7 @@ namespace emmy
       std::vector<Result>
       run_all(const std::string &variant, const std::vector<Run<dim>> &runs);
 
-      /** State a bound, print what was measured, and check it. */
+      /** State a bound of the last run, print what was measured, check it. */
       void
       at_most(const std::string &what, const double value, const double bound);
       void
@@ -97,9 +97,12 @@ namespace emmy
 
       /** Write stability.md and pictures/stability.png to a folder. */
       void
-      write(const std::string &folder) const;
+      write(const std::string &folder);
 
     private:
+      /** Put the bounds below the table. */
+      void
+      close_case();
       void
       add_row(const std::string &variant, const std::vector<Result> &results);
       void
@@ -117,8 +120,8 @@ namespace emmy
       };
 
       const std::string  source_folder;
-      std::string        page;
-      bool               in_table = false;
+      std::string        page, bounds; ///< bounds: of the case that is open
+      std::string        last_variant, bound_variant; ///< the bounds' last
       std::vector<Curve> curves;
     };
 

@@ -1,0 +1,104 @@
+// What "automatic" does: it takes the direct solver where GMRES fails, and says
+// so; a singular matrix is reported in words by all solvers.
+
+#include <deal.II/lac/trilinos_sparsity_pattern.h>
+
+#include <emmy/solve/linear_solver.h>
+
+#include "../check.h"
+
+using namespace emmy;
+
+namespace
+{
+  constexpr unsigned int n = 1500;
+
+  dealii::IndexSet
+  all_rows()
+  {
+    return dealii::complete_index_set(n);
+  }
+
+  /** Rows with the entries (column, value) that @p row gives. */
+  template <class Row>
+  Matrix
+  make_matrix(const Row &row)
+  {
+    dealii::TrilinosWrappers::SparsityPattern pattern(all_rows(),
+                                                      MPI_COMM_SELF);
+    for (unsigned int i = 0; i < n; ++i)
+      for (const auto &entry : row(i))
+        pattern.add(i, entry.first);
+    pattern.compress();
+    Matrix matrix;
+    matrix.reinit(pattern);
+    for (unsigned int i = 0; i < n; ++i)
+      for (const auto &[column, value] : row(i))
+        matrix.set(i, column, value);
+    matrix.compress(dealii::VectorOperation::insert);
+    return matrix;
+  }
+
+  using Entries = std::vector<std::pair<unsigned int, double>>;
+
+  /** |A x - b| / |b| for a b that has all frequencies, or what went wrong. */
+  std::pair<double, std::string>
+  solve(LinearSolver &solver, const Matrix &matrix)
+  {
+    Vector b(all_rows(), MPI_COMM_SELF), x(b), residual(b);
+    for (unsigned int i = 0; i < n; ++i)
+      b(i) = std::sin(1. + i * i);
+    LinearResult result = solver.prepare(matrix);
+    if (result.is_solved)
+      result = solver.solve(x, b, 1e-8);
+    if (!result.is_solved)
+      return {1., result.problem};
+    return {matrix.residual(residual, x, b) / b.l2_norm(), ""};
+  }
+} // namespace
+
+int
+main(int argc, char *argv[])
+{
+  dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+
+  // a mass matrix of hats
+  const Matrix easy = make_matrix([](const unsigned int i) {
+    Entries entries{{i, 4.}};
+    if (i > 0)
+      entries.push_back({i - 1, 1.});
+    if (i + 1 < n)
+      entries.push_back({i + 1, 1.});
+    return entries;
+  });
+  // a cyclic shift: GMRES needs n iterations, ILU(0) has zero pivots
+  const Matrix hard = make_matrix([](const unsigned int i) {
+    return Entries{{i, 1e-30}, {(i + 1) % n, 1.}};
+  });
+  // the last row is zero
+  const Matrix singular = make_matrix([](const unsigned int i) {
+    return Entries{{i, i + 1 < n ? 1. : 0.}};
+  });
+
+  SolverParameters parameters;
+  const auto       automatic = make_linear_solver(parameters, n, 3);
+  test::check_close(solve(*automatic, easy).first, 0., 1e-8, "easy matrix");
+  test::check(automatic->name() == "GMRES with ILU",
+              "GMRES is enough, not " + automatic->name());
+  test::check_close(solve(*automatic, hard).first, 0., 1e-8, "hard matrix");
+  test::check(automatic->name().find("direct (KLU) for 1 matri") !=
+                std::string::npos,
+              "the direct solver was needed, " + automatic->name());
+  test::check_close(solve(*automatic, easy).first, 0., 1e-8, "easy again");
+
+  for (const char *const name : {"automatic", "direct", "GMRES", "BiCGStab"})
+    {
+      parameters.linear_solver = name;
+      const auto solver        = make_linear_solver(parameters, n, 3);
+      test::check(!solve(*solver, singular).second.empty(),
+                  std::string(name) + " reports a singular matrix");
+    }
+  const auto small = make_linear_solver(SolverParameters(), 900, 3);
+  test::check(small->name() == "direct (KLU)", "small systems: direct");
+  return test::report();
+}
