@@ -2,6 +2,13 @@
 
 namespace emmy
 {
+  double
+  inertia_factor(const double time_step)
+  {
+    const double rate = 2. / time_step;
+    return 0.5 * rate * rate;
+  }
+
   Vector
   velocity_new(const Vector &displacement,
                const Vector &velocity_old,
@@ -30,7 +37,7 @@ namespace emmy
     step.start.mass.vmult(inertia, acceleration);
     force += inertia;
     if (jacobian)
-      jacobian->add(0.5 * rate * rate, step.start.damped_mass);
+      jacobian->add(inertia_factor(step.time_step), step.start.damped_mass);
     return "";
   }
 

@@ -68,7 +68,9 @@ namespace emmy
     const auto               properties = entry.particle->get_properties();
     for (unsigned int d = 0; d < dim; ++d)
       {
-        const double h     = grid.cell_size()[d];
+        const double h = grid.cell_size()[d];
+        Assert(properties[half_length_component + d] >= 0.,
+               dealii::ExcMessage("A half-length is no number."));
         const double below = std::max(0., x[d] - grid.lower_corner()[d]),
                      above = std::max(0., grid.upper_corner()[d] - x[d]);
         double l =

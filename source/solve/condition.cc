@@ -75,6 +75,8 @@ namespace emmy
           dealii::FullMatrix<double> vectors;
           projected.compute_eigenvalues_symmetric(
             0.5, 1.5 * n, 1e-15, values, vectors);
+          if (values.size() == 0) // round-off left no positive eigenvalue
+            break;
           const unsigned int last = values.size() - 1;
           result.value            = scale * values[last];
 
@@ -196,6 +198,7 @@ namespace emmy
     Vector            first(start), between(start);
     constraints.set_zero(first);
     result.weakest = Vector(first);
+    result.weakest = 0.; // as long as it is not known
     result.largest = result.smallest = std::numeric_limits<double>::quiet_NaN();
     if (!std::isfinite(scaled.frobenius_norm()) || first.l2_norm() == 0.)
       return result;
@@ -227,7 +230,8 @@ namespace emmy
         break;
       }
     result.weakest.scale(scale);
-    result.weakest /= result.weakest.linfty_norm();
+    if (const double norm = result.weakest.linfty_norm(); norm > 0.)
+      result.weakest /= norm;
     return result;
   }
 } // namespace emmy

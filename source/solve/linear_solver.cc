@@ -222,10 +222,12 @@ namespace emmy
       const Matrix                         *matrix = nullptr;
       std::unique_ptr<TW::PreconditionBase> preconditioner;
     };
+
     /**
      * GMRES with ILU, and LU where that fails: matrices with weakly filled
      * nodes can be too much for a preconditioner. What follows such a matrix is
-     * like it, so LU stays for a while.
+     * like it, so LU stays for a while. Matrices that are too large to
+     * factorise are left to GMRES alone.
      */
     class AutomaticSolver : public LinearSolver
     {
@@ -233,37 +235,41 @@ namespace emmy
       AutomaticSolver(const std::string &preconditioner,
                       const unsigned int n_components)
         : krylov("GMRES", preconditioner, n_components, 300)
+        , largest_direct(largest_direct_size(n_components))
       {}
 
       LinearResult
       prepare(const Matrix &new_matrix) override
       {
-        matrix    = &new_matrix;
-        is_direct = n_direct_left > 0;
-        if (!is_direct && krylov.prepare(*matrix).is_solved)
-          return {};
-        return prepare_direct();
+        matrix     = &new_matrix;
+        first_norm = 0.;
+        is_direct  = n_direct_left > 0;
+        if (is_direct)
+          {
+            --n_direct_left;
+            return direct.prepare(*matrix);
+          }
+        const LinearResult result = krylov.prepare(*matrix);
+        return result.is_solved ? result : fall_back(result);
       }
 
       LinearResult
       solve(Vector &x, const Vector &b, const double tolerance) override
       {
-        LinearResult result;
-        if (!is_direct)
-          {
-            result = krylov.solve(x, b, tolerance);
-            if (result.is_solved)
-              return result;
-            n_direct_left                 = 50;
-            const unsigned int iterations = result.iterations;
-            result                        = prepare_direct();
-            result.iterations             = iterations;
-            if (!result.is_solved)
-              return result;
-          }
+        if (is_direct)
+          return direct.solve(x, b, tolerance);
+        LinearResult result = krylov.solve(x, b, tolerance);
+        // a refinement that stalls near round-off is no failure
+        const double norm          = b.l2_norm();
+        const bool   is_refinement = norm < 1e-3 * first_norm;
+        first_norm                 = std::max(first_norm, norm);
+        if (result.is_solved || is_refinement)
+          return result;
         const unsigned int iterations = result.iterations;
-        result                        = direct.solve(x, b, tolerance);
-        result.iterations             = iterations;
+        result                        = fall_back(result);
+        if (result.is_solved)
+          result = direct.solve(x, b, tolerance);
+        result.iterations = iterations;
         return result;
       }
 
@@ -271,29 +277,40 @@ namespace emmy
       name() const override
       {
         return krylov.name() +
-               (n_direct == 0
+               (n_failures == 0
                   ? std::string()
-                  : "; direct (KLU) for " + std::to_string(n_direct) +
-                      " matrices that are hard for it");
+                  : ", which failed " + std::to_string(n_failures) +
+                      " times; then direct (KLU)");
       }
 
     private:
+      /** Factorise, after GMRES or its preconditioner failed. */
       LinearResult
-      prepare_direct()
+      fall_back(const LinearResult &failure)
       {
-        is_direct = true;
-        ++n_direct;
-        n_direct_left -= n_direct_left > 0;
+        if (matrix->m() > largest_direct)
+          return failure;
+        ++n_failures;
+        is_direct     = true;
+        n_direct_left = 50;
         return direct.prepare(*matrix);
       }
 
-      KrylovSolver  krylov;
-      DirectSolver  direct;
-      const Matrix *matrix        = nullptr;
-      bool          is_direct     = false;
-      unsigned int  n_direct_left = 0, n_direct = 0;
+      KrylovSolver        krylov;
+      DirectSolver        direct;
+      const std::uint64_t largest_direct;
+      const Matrix       *matrix        = nullptr;
+      double              first_norm    = 0.; ///< of b since prepare()
+      bool                is_direct     = false;
+      unsigned int        n_direct_left = 0, n_failures = 0;
     };
   } // namespace
+
+  std::uint64_t
+  largest_direct_size(const unsigned int n_components)
+  {
+    return n_components == 2 ? 300000 : 30000;
+  }
 
   std::unique_ptr<LinearSolver>
   make_linear_solver(const SolverParameters &parameters,

@@ -1,3 +1,4 @@
+#include <emmy/assembly/inertia.h>
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
 #include <emmy/step/doctor.h>
@@ -58,7 +59,7 @@ namespace emmy
       return text.str();
     }
 
-    /** The largest |component| at each local node. */
+    /** The length of the vector at each local node, the largest being one. */
     template <int dim>
     std::vector<double>
     at_nodes(const Vector &weakest, const ActiveGrid<dim> &active)
@@ -190,7 +191,7 @@ namespace emmy
                     const GridStart<dim> &start,
                     const double          time_step)
   {
-    const double factor = 2. / (time_step * time_step);
+    const double factor = inertia_factor(time_step);
     Matrix       result;
     result.copy_from(equation.jacobian());
     result.add(-factor, start.damped_mass);

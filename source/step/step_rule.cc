@@ -52,6 +52,14 @@ namespace emmy
                   "the run stops.",
                   prm,
                   Integer(0, 50));
+    add_parameter("Maximum travel",
+                  maximum_travel,
+                  "Where a scene has several bodies: how far a particle may "
+                  "move in a step, in cells. A longer step is shortened, and "
+                  "run.log says so. 0: no limit. Above 0.5 bodies can pass "
+                  "through one another without meeting.",
+                  prm,
+                  Double(0.));
     add_parameter("Shorten last step",
                   shorten_last_step,
                   "Whether the last step is cut to end at <End time>.");
@@ -178,6 +186,23 @@ namespace emmy
   } // namespace
 
   template <int dim>
+  double
+  time_to_travel(const double            travel,
+                 const PointArrays<dim> &points,
+                 const unsigned int      velocity_component,
+                 const ActiveGrid<dim>  &active)
+  {
+    double square = 0.;
+    for (std::size_t p = 0; p < points.n_points(); ++p)
+      square =
+        std::max(square,
+                 points.template get<dim>(velocity_component, p).norm_square());
+    return travel * active.smallest_cell_size() /
+           std::sqrt(
+             dealii::Utilities::MPI::max(square, active.communicator()));
+  }
+
+  template <int dim>
   std::unique_ptr<StepRule<dim>>
   make_step_rule(const TimeParameters                     &parameters,
                  const BackgroundGrid<dim>                &grid,
@@ -205,6 +230,16 @@ namespace emmy
       factor, parameters.step_rule == "normalised", moduli, layout);
   }
 
+  template double
+  time_to_travel<2>(const double,
+                    const PointArrays<2> &,
+                    const unsigned int,
+                    const ActiveGrid<2> &);
+  template double
+  time_to_travel<3>(const double,
+                    const PointArrays<3> &,
+                    const unsigned int,
+                    const ActiveGrid<3> &);
   template std::unique_ptr<StepRule<2>>
   make_step_rule<2>(const TimeParameters &,
                     const BackgroundGrid<2> &,

@@ -55,8 +55,10 @@ namespace emmy
       timed("diagnosis", [&] { examine(stencils, points, solution); });
 
     // grid -> particles
-    const StepReport result =
-      timed("accounts", [&] { return report(solution, stencils, points); });
+    const StepReport result = timed("accounts", [&] {
+      move(stencils, points, solution);
+      return report(solution, stencils, points);
+    });
     timed("grid to particles", [&] {
       grid_to_particles(
         stencils, solution.equation->trial(), layout, grid, particles);
@@ -73,8 +75,14 @@ namespace emmy
   Stepper<dim>::solve(const Stencils<dim>    &stencils,
                       const PointArrays<dim> &points)
   {
-    Solution solution;
-    solution.time_step = next_time_step(stencils, points);
+    Solution    solution;
+    std::string note;
+    solution.time_step = next_time_step(stencils, points, &note);
+    if (!note.empty() && !has_limited_travel)
+      {
+        has_limited_travel = true;
+        solution.notes.push_back(note);
+      }
     for (unsigned int halvings = 0;; ++halvings, solution.time_step *= 0.5)
       {
         const StepData<dim> step{
@@ -90,75 +98,77 @@ namespace emmy
 
         solution.newton = Newton(solver_parameters, *linear_solver, phases)
                             .solve(*solution.equation, solution.displacement);
-        Obstacle obstacle{solution.newton.problem, ""};
         if (solution.newton.is_converged)
-          obstacle = timed("move", [&] {
-            solution.velocity = velocity_new(solution.displacement,
-                                             start->velocity,
-                                             solution.time_step);
-            return move(stencils, points, solution);
-          });
-        if (obstacle.problem.empty())
-          break;
+          {
+            if (solution.newton.is_damped)
+              solution.notes.push_back(
+                where() +
+                ": Newton converged only with a damped matrix (first " +
+                solution.newton.first_try + ")" +
+                (solution.newton.leaves_rest
+                   ? "; |r| stays at " +
+                       brief(solution.equation->residual().l2_norm() /
+                             solution.equation->scale()) +
+                       " of the forces"
+                   : std::string()));
+            break;
+          }
         if (halvings == limits.maximum_halvings)
-          give_up(step, obstacle, solution);
-        solution.notes.push_back(where() + ": " + obstacle.problem +
+          give_up(step, solution);
+        solution.notes.push_back(where() + ": " + solution.newton.problem +
                                  "; halved to " + brief(0.5 * step.time_step) +
                                  " s");
       }
 
-    if (solution.newton.is_damped)
-      solution.notes.push_back(
-        where() + ": Newton converged only with a damped matrix (first " +
-        solution.newton.first_try + ")" +
-        (solution.newton.leaves_rest
-           ? "; |r| stays at " +
-               brief(solution.equation->residual().l2_norm() /
-                     solution.equation->scale()) +
-               " of the forces"
-           : std::string()));
+    solution.velocity =
+      velocity_new(solution.displacement, start->velocity, solution.time_step);
     return solution;
   }
 
   template <int dim>
   void
-  Stepper<dim>::give_up(const StepData<dim> &step,
-                        const Obstacle      &obstacle,
-                        Solution            &solution) const
+  Stepper<dim>::give_up(const StepData<dim> &step, Solution &solution) const
   {
-    const std::string halved = "with the step halved " +
-                               std::to_string(limits.maximum_halvings) +
-                               " times to " + brief(step.time_step) + " s";
-    if (solution.newton.is_converged)
-      throw_together(grid.communicator(),
-                     where(),
-                     obstacle.problem + ", also " + halved,
-                     "the last accepted state was kept. " + obstacle.remedy);
-
-    // What Newton left may be damped. Where the equation has no meaning there
-    // is no derivative, but there is a mass.
-    const bool has_jacobian =
-      solution.equation->evaluate(solution.displacement,
-                                  /*with_jacobian=*/true);
-    const Diagnosis<dim> diagnosis =
-      has_jacobian
-        ? diagnose_matrix(undamped_jacobian(*solution.equation,
-                                            step.start,
-                                            step.time_step),
-                          step.stencils,
-                          step.points)
-        : diagnose_matrix(step.start.mass, step.stencils, step.points);
-    const double limit = method.diagnosis.report_above;
+    std::string verdict, remedy;
+    if (can_diagnose())
+      {
+        // What Newton left may be damped. Where the equation has no meaning
+        // there is no derivative, but there is a mass.
+        const bool has_jacobian =
+          solution.equation->evaluate(solution.displacement,
+                                      /*with_jacobian=*/true);
+        const Diagnosis<dim> diagnosis =
+          has_jacobian
+            ? diagnose_matrix(undamped_jacobian(*solution.equation,
+                                                step.start,
+                                                step.time_step),
+                              step.stencils,
+                              step.points)
+            : diagnose_matrix(step.start.mass, step.stencils, step.points);
+        const double limit = method.diagnosis.report_above;
+        verdict =
+          "; " +
+          diagnosis.verdict(has_jacobian ? "Jacobian" : "mass matrix", limit);
+        if (diagnosis.is_above(limit) && !diagnosis.nodes.empty())
+          remedy = small_cut_remedy;
+      }
     throw_together(
       grid.communicator(),
       where(),
-      "Newton does not converge, " + halved + ": " + obstacle.problem + "; " +
-        diagnosis.verdict(has_jacobian ? "Jacobian" : "mass matrix", limit),
-      std::string("the last accepted state was kept. ") +
-        (diagnosis.is_above(limit) ? small_cut_remedy : "") +
+      "Newton does not converge, with the step halved " +
+        std::to_string(limits.maximum_halvings) + " times to " +
+        brief(step.time_step) + " s: " + solution.newton.problem + verdict,
+      "the last accepted state was kept. " + remedy +
         "Use more Points per direction, a larger Solver/Maximum iterations, a "
         "smaller Time/Factor or Step size, or a stiffer or finer model; "
         "Time/Maximum halvings allows smaller steps.");
+  }
+
+  template <int dim>
+  bool
+  Stepper<dim>::can_diagnose() const
+  {
+    return start->active->n_dofs() <= largest_direct_size(dim);
   }
 
   template <int dim>
@@ -202,42 +212,43 @@ namespace emmy
   }
 
   template <int dim>
-  typename Stepper<dim>::Obstacle
+  void
   Stepper<dim>::move(const Stencils<dim>    &stencils,
                      const PointArrays<dim> &points,
                      Solution               &solution)
   {
-    const auto agreed = [this](const std::string &problem) {
-      return agree_on_problem(grid.communicator(), problem);
-    };
     PointArrays<dim> &trial = solution.equation->trial();
-    Obstacle          obstacle;
-    obstacle = {agreed(move_points(stencils,
-                                   points,
-                                   *start,
-                                   grid,
-                                   layout,
-                                   method.mapping.flip_fraction,
-                                   solution.displacement,
-                                   solution.velocity,
-                                   trial)),
-                "Enlarge the grid (Grid/Lower corner, Upper corner), end the "
-                "run earlier (Time/End time), fix that side (Boundary "
-                "conditions), or, if it moves, slow it down."};
-    if (!method.domain_update || !obstacle.problem.empty())
-      return obstacle;
+    throw_together(
+      grid.communicator(),
+      where(),
+      move_points(stencils,
+                  points,
+                  *start,
+                  grid,
+                  layout,
+                  method.mapping.flip_fraction,
+                  solution.displacement,
+                  solution.velocity,
+                  trial),
+      "the step was not accepted. Enlarge the grid (Grid/Lower "
+      "corner, Upper corner), end the run earlier (Time/End "
+      "time), fix that side (Boundary conditions), or, if it moves, "
+      "slow it down.");
+    if (!method.domain_update)
+      return;
     (*method.domain_update)(stencils,
                             points,
                             *start->active,
                             start->active->to_local(solution.displacement),
                             trial);
-    obstacle                  = {agreed(
-                  DomainUpdate<dim>::problem(stencils, layout, grid, trial)),
-                                 "Use another Method/Domain update (stretch does not vanish "
-                                                  "under rotation, none keeps the size), or more Points per "
-                                                  "direction."};
+    throw_together(grid.communicator(),
+                   where(),
+                   DomainUpdate<dim>::problem(stencils, layout, grid, trial),
+                   "the step was not accepted. Use another Method/Domain "
+                   "update (stretch does not vanish under rotation, none "
+                   "keeps the size), or more Points per direction.");
     const std::uint64_t n_cut = DomainUpdate<dim>::n_cut(layout, grid, trial);
-    if (obstacle.problem.empty() && n_cut > most_cut_domains)
+    if (n_cut >= 2 * most_cut_domains && n_cut > 0)
       {
         most_cut_domains = n_cut;
         solution.notes.push_back(
@@ -245,7 +256,6 @@ namespace emmy
           " particles are longer than two cells and act as if cut at that "
           "size; more Points per direction or larger cells avoid it");
       }
-    return obstacle;
   }
 
   template <int dim>
@@ -270,9 +280,25 @@ namespace emmy
   template <int dim>
   double
   Stepper<dim>::next_time_step(const Stencils<dim>    &stencils,
-                               const PointArrays<dim> &points) const
+                               const PointArrays<dim> &points,
+                               std::string            *note) const
   {
-    const double dt        = method.step_rule(stencils, points, *start->active);
+    double dt = method.step_rule(stencils, points, *start->active);
+    if (method.maximum_travel > 0.)
+      {
+        const double longest = time_to_travel(method.maximum_travel,
+                                              points,
+                                              layout["velocity"],
+                                              *start->active);
+        if (note && dt > longest)
+          *note = where() + ": shortened from " + brief(dt) + " to " +
+                  brief(longest) + " s, and later ones alike, so that no " +
+                  "particle moves more than Time/Maximum travel = " +
+                  brief(method.maximum_travel) +
+                  " cells: bodies could pass "
+                  "through one another";
+        dt = std::min(dt, longest);
+      }
     const double time_left = limits.end_time - time;
     return limits.shorten_last_step && dt > time_left ? time_left : dt;
   }
@@ -295,17 +321,22 @@ namespace emmy
       map_velocity(method.mapping, wall_velocity, *linear_solver, start);
     if (result.is_solved)
       return;
-    const Diagnosis<dim> diagnosis =
-      diagnose_matrix(start.mass, stencils, points);
-    const double limit = method.diagnosis.report_above;
-    throw_together(
-      grid.communicator(),
-      where(),
-      "the velocity of the grid could not be found: " + result.problem + "; " +
-        diagnosis.verdict("mass matrix", limit),
-      std::string(diagnosis.is_above(limit) ? small_cut_remedy : "") +
-        "Use more Points per direction, or Solver/Linear solver "
-        "= direct.");
+    std::string verdict, remedy;
+    if (can_diagnose())
+      {
+        const Diagnosis<dim> diagnosis =
+          diagnose_matrix(start.mass, stencils, points);
+        const double limit = method.diagnosis.report_above;
+        verdict            = "; " + diagnosis.verdict("mass matrix", limit);
+        if (diagnosis.is_above(limit) && !diagnosis.nodes.empty())
+          remedy = small_cut_remedy;
+      }
+    throw_together(grid.communicator(),
+                   where(),
+                   "the velocity of the grid could not be found: " +
+                     result.problem + verdict,
+                   remedy + "Use more Points per direction, or Solver/Linear "
+                            "solver = direct.");
   }
 
   template <int dim>
@@ -318,7 +349,7 @@ namespace emmy
     start                         = &particles_to_grid(stencils, points);
 
     StepReport result;
-    result.time_step = next_time_step(stencils, points);
+    result.time_step = next_time_step(stencils, points, nullptr);
     result.totals    = measure(points, layout, grid.communicator());
     result.energies  = method.balance.energy_entries();
     for (const EnergyEntry &entry : energy_entries(StepAccounts()))

@@ -149,6 +149,8 @@ namespace emmy
                               domain_update.get(),
                               mapping,
                               *step_rule,
+                              bodies.size() > 1 ? parameters.time.maximum_travel
+                                                : 0.,
                               balance,
                               parameters.diagnosis},
               parameters.solver,

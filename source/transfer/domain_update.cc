@@ -264,7 +264,8 @@ namespace emmy
     std::uint64_t      result      = 0;
     for (std::size_t p = 0; p < trial.n_points(); ++p)
       for (unsigned int d = 0; d < dim; ++d)
-        if (trial.component(half_length + d)[p] > grid.cell_size()[d])
+        if (trial.component(half_length + d)[p] >
+            grid.cell_size()[d] * (1. + 1e-12))
           {
             ++result;
             break;

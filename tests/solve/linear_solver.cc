@@ -71,25 +71,42 @@ main(int argc, char *argv[])
       entries.push_back({i + 1, 1.});
     return entries;
   });
-  // a cyclic shift: GMRES needs n iterations, ILU(0) has zero pivots
-  const Matrix hard = make_matrix([](const unsigned int i) {
-    return Entries{{i, 1e-30}, {(i + 1) % n, 1.}};
-  });
+  // a cyclic shift: GMRES needs n iterations. Without a diagonal ILU cannot be
+  // made either.
+  const auto shift = [](const double diagonal) {
+    return make_matrix([diagonal](const unsigned int i) {
+      return Entries{{i, diagonal}, {(i + 1) % n, 1.}};
+    });
+  };
+  const Matrix hard = shift(0.5), hopeless = shift(0.);
   // the last row is zero
   const Matrix singular = make_matrix([](const unsigned int i) {
     return Entries{{i, i + 1 < n ? 1. : 0.}};
   });
 
   SolverParameters parameters;
-  const auto       automatic = make_linear_solver(parameters, n, 3);
-  test::check_close(solve(*automatic, easy).first, 0., 1e-8, "easy matrix");
-  test::check(automatic->name() == "GMRES with ILU",
-              "GMRES is enough, not " + automatic->name());
-  test::check_close(solve(*automatic, hard).first, 0., 1e-8, "hard matrix");
-  test::check(automatic->name().find("direct (KLU) for 1 matri") !=
-                std::string::npos,
-              "the direct solver was needed, " + automatic->name());
-  test::check_close(solve(*automatic, easy).first, 0., 1e-8, "easy again");
+  for (const Matrix *matrix : {&hard, &hopeless})
+    {
+      const auto automatic = make_linear_solver(parameters, n, 3);
+      test::check_close(solve(*automatic, easy).first, 0., 1e-8, "easy matrix");
+      test::check(automatic->name() == "GMRES with ILU",
+                  "GMRES is enough, not " + automatic->name());
+      test::check_close(solve(*automatic, *matrix).first,
+                        0.,
+                        1e-8,
+                        "hard matrix");
+      // the direct solver stays for 50 matrices, then GMRES has its turn again
+      for (unsigned int i = 0; i < 51; ++i)
+        test::check_close(solve(*automatic, easy).first,
+                          0.,
+                          1e-8,
+                          "easy again");
+      test::check(automatic->name().find("failed 1 times") != std::string::npos,
+                  "GMRES failed once, " + automatic->name());
+      solve(*automatic, *matrix);
+      test::check(automatic->name().find("failed 2 times") != std::string::npos,
+                  "GMRES failed again, " + automatic->name());
+    }
 
   for (const char *const name : {"automatic", "direct", "GMRES", "BiCGStab"})
     {

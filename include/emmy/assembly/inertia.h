@@ -6,9 +6,9 @@
 namespace emmy
 {
   /**
-   * Inertia of the mid-point rule, M~ (2/dt^2 u - 2/dt v_t), with the mass of
-   * the point-to-grid map (Pretti et al. 2023, eqs 20-24; v_mid = u/dt is the
-   * mean of the velocities at t and t + dt).
+   * Inertia of the mid-point rule, M~ 2/dt (u/dt - v_t), with the mass of the
+   * point-to-grid map (Pretti et al. 2023, eqs 20-24; v_mid = u/dt is the mean
+   * of the velocities at t and t + dt).
    */
   template <int dim>
   class Inertia : public ForceTerm<dim>
@@ -28,6 +28,11 @@ namespace emmy
     std::vector<EnergyEntry>
     energy_entries() const override;
   };
+
+  /** The factor of M~ in the derivative, 2/dt^2 as the rounded 2/dt gives it.
+   */
+  double
+  inertia_factor(const double time_step);
 
   /** v at t + dt: 2/dt u - v_t. */
   Vector

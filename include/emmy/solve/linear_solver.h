@@ -62,6 +62,14 @@ namespace emmy
   };
 
   /**
+   * How many unknowns a factorisation that nobody asked for may have: its fill
+   * takes gigabytes and minutes from there on.
+   * @param n_components unknowns per node: 2 in plane strain, 3 in space
+   */
+  std::uint64_t
+  largest_direct_size(const unsigned int n_components);
+
+  /**
    * The solver that the parameters name; "automatic" takes the direct one up
    * to a size where its fill-in costs more than GMRES with ILU, and from there
    * on GMRES, with the direct one for matrices where that fails.

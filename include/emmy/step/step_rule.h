@@ -21,6 +21,7 @@ namespace emmy
     double       factor            = 1.;
     unsigned int maximum_steps     = 0;
     unsigned int maximum_halvings  = 8;
+    double       maximum_travel    = 0.5; // cells
     bool         shorten_last_step = false;
 
     explicit TimeParameters(const std::string &path = "Time");
@@ -43,6 +44,17 @@ namespace emmy
                const PointArrays<dim> &points,
                const ActiveGrid<dim>  &active) const = 0;
   };
+
+  /**
+   * The step, s, in which the fastest particle moves by @p travel cells with
+   * the velocity that it has now; infinite at rest. Collective.
+   */
+  template <int dim>
+  double
+  time_to_travel(const double            travel,
+                 const PointArrays<dim> &points,
+                 const unsigned int      velocity_component,
+                 const ActiveGrid<dim>  &active);
 
   /**
    * The rule that the parameters name:

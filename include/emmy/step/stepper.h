@@ -20,6 +20,8 @@ namespace emmy
     const DomainUpdate<dim>   *domain_update; ///< null: domains stay
     const PointMapping        &mapping;
     const StepRule<dim>       &step_rule;
+    /** How far a particle may move in a step, in cells; 0: no limit. */
+    const double               maximum_travel;
     const Balance<dim>        &balance;
     const DiagnosisParameters &diagnosis;
   };
@@ -46,9 +48,8 @@ namespace emmy
     initial_report();
 
     /**
-     * One step. A step that does not converge, or that takes a particle out of
-     * the grid, leaves no trace and is tried again with half its size.
-     * Collective.
+     * One step. A step that does not converge leaves no trace and is tried
+     * again with half its size. Collective.
      *
      * Throws ExcRun on all ranks, with the particles as they were, if the
      * step converges at no allowed size, or a particle would leave the grid.
@@ -92,18 +93,14 @@ namespace emmy
       std::vector<std::string>           notes, findings;
     };
 
-    /** Why a step is not accepted, and what the user can do. */
-    struct Obstacle
-    {
-      std::string problem, remedy;
-    };
-
     /** For the rates in the table of phases. */
     void
     count_points(const std::size_t n_points, const std::size_t n_evaluations);
+    /** @param note what shortens it, if worth a line; null: not wanted */
     double
     next_time_step(const Stencils<dim>    &stencils,
-                   const PointArrays<dim> &points) const;
+                   const PointArrays<dim> &points,
+                   std::string            *note) const;
     void
     velocity_from_momentum(const Stencils<dim>    &stencils,
                            const PointArrays<dim> &points,
@@ -120,18 +117,16 @@ namespace emmy
     /** The numbers that examine() found; zero before the first step. */
     std::vector<StepMeasure>
     measures() const;
+    /** Whether the matrices are small enough to look for a small cut. */
+    bool
+    can_diagnose() const;
     /** Say why the step fails at its smallest size. Throws on all ranks. */
     void
-    give_up(const StepData<dim> &step,
-            const Obstacle      &obstacle,
-            Solution            &solution) const;
+    give_up(const StepData<dim> &step, Solution &solution) const;
     Solution
     solve(const Stencils<dim> &stencils, const PointArrays<dim> &points);
-    /**
-     * Trial states of a converged solution: positions, velocities, domains.
-     * @return what forbids to accept them, if anything; the same on all ranks
-     */
-    Obstacle
+    /** Trial states of an accepted solution: positions, velocities, domains. */
+    void
     move(const Stencils<dim>    &stencils,
          const PointArrays<dim> &points,
          Solution               &solution);
@@ -160,9 +155,10 @@ namespace emmy
     Vector                        velocity;
     /** Null unless asked for, and before the first step. */
     std::unique_ptr<StepDiagnosis<dim>> findings;
-    std::uint64_t                       most_cut_domains = 0; ///< of all steps
-    unsigned int                        step_number      = 0;
-    double                              time             = 0.;
+    std::uint64_t most_cut_domains   = 0; ///< when last told
+    bool          has_limited_travel = false;
+    unsigned int  step_number        = 0;
+    double        time               = 0.;
   };
 } // namespace emmy
 

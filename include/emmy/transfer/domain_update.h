@@ -66,7 +66,9 @@ namespace emmy
    * - diagF: l_i = l0_i F_ii, which can vanish under rotation;
    * - stretch: l_i = l0_i U_ii, U = sqrt(F^T F);
    * - corners: half the extent of the moved corners of the domain, scaled to
-   *   the volume det F prod 2 l0.
+   *   the volume det F prod 2 l0. Of a domain longer than two cells the corners
+   *   of the part that the shape functions use are moved, and their extent in
+   *   each direction is scaled up: exact only without shear.
    *
    * @param layout asked for F by diagF and stretch alone
    */
