@@ -165,6 +165,10 @@ refused_set 'body without particles' \
 refused_set 'body outside the grid' \
   'body <block> spans x = 1 ... 9 m|not inside the grid, 0 ... 4 m|enlarge the grid' \
   'Bodies/block/box/Upper corner=9, 2'
+refused_set 'body cut by a side that is none' \
+  '<Bodies/block/Cut by> is <left>|no such side|x-min, x-max' 'Bodies/block/Cut by=left'
+refused 'body that is cut at one side and reaches beyond another' 'body <block> spans x' \
+  base.prm --set 'Bodies/block/Cut by=y-max' --set 'Bodies/block/box/Upper corner=9, 9'
 cat >overlap.prm <<'END'
 include base.prm
 subsection Bodies

@@ -53,6 +53,16 @@ check 'plain: columns' [ "$(columns plain)" = strain_energy ]
 carries plain 14
 check 'plain: the block does hit the floor' is "$(last plain strain_energy) > 1e-3"
 
+echo "Bodies that sides of the grid cut"
+bar=$root/prm/paper/7.4.prm
+emmy_run "$bar" --check
+quarter=$(sed -n 's/^ *particles *\([0-9]*\),.*/\1/p' "$work/out")
+emmy_run "$bar" --check --set 'Bodies/bar/Cut by=' --set 'Grid/Cells=18, 50, 18' \
+  --set 'Grid/Lower corner=-7.2e-3, 0, -7.2e-3'
+whole=$(sed -n 's/^ *particles *\([0-9]*\),.*/\1/p' "$work/out")
+check 'cut: a quarter of the bar has a quarter of its particles' is "$quarter > 0"
+check 'cut: a quarter of the bar has a quarter of its particles' is "$whole == 4*$quarter"
+
 echo "Domains"
 scene GIMP --set 'Method/Shape functions=GIMP' --set 'Method/Domain update=none'
 check 'GIMP: columns' [ "$(columns GIMP)" = strain_energy ]
@@ -134,5 +144,6 @@ paper 7.1b 21 204 strain_energy,load_work
 paper 7.2 14 148 strain_energy
 paper 7.3a 21 204 strain_energy,hardening_energy,plastic_dissipation
 paper 7.3b 27 252 strain_energy,hardening_energy,plastic_dissipation
+paper 7.4 40 372 strain_energy,hardening_energy,plastic_dissipation,ghost_stiffness_loss,ghost_mass_loss
 
 finish

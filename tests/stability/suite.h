@@ -17,22 +17,20 @@ namespace emmy
     {
       bool         has_ended = false;
       std::string  problem; ///< in words, if it has not
-      unsigned int steps = 0, halvings = 0, damped = 0, most_iterations = 0,
-                   fewest_iterations = 0;
+      unsigned int steps = 0, halvings = 0, damped = 0, most_iterations = 0;
       /** Largest condition of the scaled matrices; 0: not measured. */
       double mass_condition = 0., jacobian_condition = 0.;
       double energy       = 0.; ///< the largest kinetic + stored energy, J
       double final_energy = 0.; ///< kinetic + stored, J
-      double final_strain = 0.; ///< strain energy at the end, J
-      double dissipated   = 0.; ///< by flow, J
-      double lost         = 0.; ///< ghost losses, J
-      /** Of energy: what no column of the ledger accounts for. */
-      double drift = 0.;
+      /** Of energy: ghost losses, and what no column accounts for. */
+      double lost = 0., drift = 0.;
       /** Of energy, largest in size over the steps. */
       double balance_error = 0., residual_work = 0.;
-      /** Largest change, relative to m v and m v r of the start. */
+      /** Largest change, of m v and m v times the extent of the bodies. */
       double linear_momentum = 0., angular_momentum = 0.;
       double seconds = 0.;
+      /** Strain energy of each step, of energy. */
+      std::vector<double> strain;
       /** Balance error of each step, relative to energy. */
       std::vector<double> balance_errors;
     };
@@ -44,8 +42,9 @@ namespace emmy
     {
       std::string                       file; ///< in prm/
       std::vector<std::string>          settings;
-      std::function<void(Scene<dim> &)> prepare;
-      bool                              with_conditions = false;
+      std::function<void(Scene<dim> &)> prepare = {};
+      /** Whether to measure the condition of the matrices in each step. */
+      bool with_conditions = false;
       /**
        * Whether the ledger must balance to 1e-11; without a remedy numbers at
        * starved nodes can be so large that 1e-6 is all that round-off leaves.
@@ -132,9 +131,33 @@ namespace emmy
       void (*run)(Suite &);
     };
 
-    /** All cases, in the order of the page. */
+    /** Cases that begin with a small cut, and the others. */
     std::vector<Case>
-    cases();
+    small_cuts();
+    std::vector<Case>
+    hard_motions();
+
+    // what both use
+    const std::string ghosts = "Effects/Names=ghost stabilisation";
+    const std::string gimp   = "Method/Shape functions=GIMP";
+
+    /** The settings, and one more if it is there. */
+    inline std::vector<std::string>
+    with(std::vector<std::string> settings,
+         const std::string       &setting,
+         const bool               is_there)
+    {
+      if (is_there)
+        settings.push_back(setting);
+      return settings;
+    }
+
+    /** Bounds of a run with a remedy: to the end, iterations, losses. */
+    void
+    check_stable(Suite             &suite,
+                 const Result      &result,
+                 const unsigned int most_iterations,
+                 const double       most_lost);
   } // namespace stability
 } // namespace emmy
 

@@ -1,0 +1,415 @@
+// Cases that are hard for other reasons than small cuts: incompressibility,
+// large steps, impact, contrast, many steps, tiny increments.
+
+#include <emmy/material/material.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "suite.h"
+
+namespace emmy
+{
+  namespace stability
+  {
+    namespace
+    {
+      void
+      incompressible(Suite &suite)
+      {
+        suite.open_case(
+          "Nearly incompressible",
+          "`block.prm` for 2 s with Poisson's ratios up to 0.4999 and a small "
+          "ghost mass. The block swings without a change of\nvolume; its shear "
+          "modulus hardly depends on the ratio, so nor must the strain energy "
+          "after 1 s: were the elements to lock,\nit would.");
+        double expected = 0.;
+        for (const char *const nu : {"0.49", "0.499", "0.4999"})
+          {
+            Run<2> run;
+            run.file     = "stability/block.prm";
+            run.settings = {ghosts,
+                            "Effects/Ghost stabilisation/Mass penalty=1e-3",
+                            "Effects/Ghost stabilisation/Stiffness penalty=0",
+                            std::string("Materials/rubber/Poisson's ratio=") +
+                              nu,
+                            "Time/End time=2"};
+            const auto result =
+              suite.run<2>(std::string("Poisson's ratio ") + nu, run);
+            check_stable(suite, result, 5, 0.02);
+            suite.at_most("times halved, or damped",
+                          result.halvings + result.damped,
+                          0);
+            if (expected == 0.)
+              expected = result.strain[10];
+            suite.at_most("difference of the strain energy after 1 s to that "
+                          "at 0.49, relative",
+                          std::abs(result.strain[10] / expected - 1.),
+                          0.05);
+          }
+      }
+
+      // ----------------------------------------------------------------------
+
+      void
+      large_steps(Suite &suite)
+      {
+        suite.open_case(
+          "Large steps",
+          "`collision.prm` and `block.prm` with steps of 1 to 150 times "
+          "`normalised` (the time of a wave through a cell). Steps that\nwould "
+          "carry bodies through one another are shortened to `Maximum "
+          "travel`, half a cell: so 15, 50 and 150 are one run, and\nall see "
+          "the collision. A single body has no such limit; a step that Newton "
+          "cannot solve is halved.");
+        for (const bool has_ghosts : {false, true})
+          for (const unsigned int factor : {1, 5, 15, 50, 150})
+            {
+              Run<2> run;
+              run.file          = "stability/collision.prm";
+              run.settings      = with({"Time/Factor=" + std::to_string(factor),
+                                        "Time/End time=8"},
+                                  ghosts,
+                                  has_ghosts);
+              run.is_stabilised = has_ghosts;
+              const auto result = suite.run<2>(std::to_string(factor) + " x" +
+                                                 (has_ghosts ? ", ghosts" : ""),
+                                               run);
+              if (has_ghosts)
+                check_stable(suite, result, 10, 0.8);
+              suite.at_least("largest strain energy, of the energy",
+                             *std::max_element(result.strain.begin(),
+                                               result.strain.end()),
+                             0.1);
+            }
+        for (const unsigned int factor : {1, 5, 15, 50, 150})
+          {
+            Run<2> run;
+            run.file     = "stability/block.prm";
+            run.settings = {ghosts,
+                            "Time/Step rule=normalised",
+                            "Time/Factor=" + std::to_string(factor),
+                            "Time/End time=60"};
+            const auto result =
+              suite.run<2>("block, " + std::to_string(factor) + " x, ghosts",
+                           run);
+            suite.at_least("runs to the end", result.has_ended, 1);
+          }
+      }
+
+      // ----------------------------------------------------------------------
+
+      /** How often a curve rises above and falls below a tenth of its top. */
+      unsigned int
+      n_contacts(const std::vector<double> &strain)
+      {
+        const double top    = *std::max_element(strain.begin(), strain.end());
+        unsigned int result = 0;
+        bool         is_in  = false;
+        for (const double value : strain)
+          if (!is_in && value > 0.3 * top)
+            {
+              is_in = true;
+              ++result;
+            }
+          else if (is_in && value < 0.1 * top)
+            is_in = false;
+        return result;
+      }
+
+      void
+      collide(Suite &suite, const std::string &fraction, const bool has_ghosts)
+      {
+        const double wave_speed = 5.19; // of collision.prm, m/s
+        const double closing    = std::stod(fraction) * wave_speed;
+        const auto   speed      = std::to_string(0.5 * closing);
+        const bool   is_long    = fraction == "0.1";
+        Run<2>       run;
+        run.file          = "stability/collision.prm";
+        run.settings      = with({"Time/End time=" +
+                                    (is_long ? "30" : std::to_string(6. / closing)),
+                                  "Bodies/left/Initial velocity=" + speed + "; 0",
+                                  "Bodies/right/Initial velocity=-" + speed + "; 0"},
+                            ghosts,
+                            has_ghosts);
+        run.is_stabilised = has_ghosts;
+        const auto result = suite.run<2>("impact at " + fraction + " c" +
+                                           (has_ghosts ? ", ghosts" : ""),
+                                         run);
+        if (has_ghosts)
+          check_stable(suite, result, 20, 0.7);
+        if (is_long)
+          suite.at_least("contacts",
+                         n_contacts(result.strain),
+                         has_ghosts ? 2 : 3);
+      }
+
+      void
+      impact(Suite &suite)
+      {
+        suite.open_case(
+          "Impact near the speed of sound, cells crossed, contact again",
+          "`collision.prm`: the discs meet with 0.1, 0.5 and 1 times the wave "
+          "speed, 5.19 m/s; at 0.1 for 30 s, in which they\npart, meet the "
+          "walls and one another again. `block.prm` in a long grid: 3.3 cells "
+          "a step.");
+        for (const bool has_ghosts : {false, true})
+          {
+            for (const char *const fraction : {"0.1", "0.5", "1.0"})
+              collide(suite, fraction, has_ghosts);
+            Run<2> run;
+            run.file          = "stability/block.prm";
+            run.settings      = with({"Grid/Upper corner=80, 8",
+                                      "Grid/Cells=80, 8",
+                                      "Time/End time=2",
+                                      "Bodies/block/Initial velocity=33 + 0.3*(x - "
+                                           "3.5); -0.3*(y - 3.5)"},
+                                ghosts,
+                                has_ghosts);
+            run.is_stabilised = has_ghosts;
+            const auto result = suite.run<2>(std::string("3.3 cells a step") +
+                                               (has_ghosts ? ", ghosts" : ""),
+                                             run);
+            check_stable(suite, result, 6, 1e-3);
+            suite.at_most("change of linear momentum",
+                          result.linear_momentum,
+                          1e-13);
+          }
+      }
+
+      // ----------------------------------------------------------------------
+
+      void
+      contrast(Suite &suite)
+      {
+        suite.open_case(
+          "A million times as stiff, a thousand times as heavy",
+          "`collision.prm`; the right disc has 1e6 times the stiffness and 1e3 "
+          "times the density of the left one.");
+        for (const bool has_ghosts : {false, true})
+          {
+            Run<2> run;
+            run.file     = "stability/collision.prm";
+            run.settings = with({"Materials/right rubber/Young's modulus=1e8",
+                                 "Materials/right rubber/Density=5e3",
+                                 "Time/Step rule=fixed",
+                                 "Time/Step size=0.05",
+                                 "Time/End time=4"},
+                                ghosts,
+                                has_ghosts);
+            run.with_conditions = true;
+            run.is_stabilised   = has_ghosts;
+            const auto result =
+              suite.run<2>(has_ghosts ? "ghosts" : "nothing", run);
+            if (has_ghosts)
+              {
+                check_stable(suite, result, 4, 0.01);
+                suite.at_most("condition of the Jacobian",
+                              result.jacobian_condition,
+                              1e3);
+              }
+            else
+              suite.at_least("iterations", result.most_iterations, 20);
+          }
+      }
+
+      // ----------------------------------------------------------------------
+
+      /** Largest balance error over a random walk of round-off. */
+      double
+      growth(const std::vector<double> &balance_errors)
+      {
+        // N steps of size e at random reach sqrt(N) e
+        const double epsilon = std::numeric_limits<double>::epsilon();
+        double       result  = 0.;
+        for (unsigned int i = 1; i < balance_errors.size(); ++i)
+          result = std::max(result,
+                            std::abs(balance_errors[i]) /
+                              (std::sqrt(double(i)) * epsilon));
+        return result;
+      }
+
+      Result
+      run_long(Suite                          &suite,
+               const std::string              &file,
+               const std::string              &name,
+               const std::vector<std::string> &settings,
+               const double                    residual_work)
+      {
+        Run<2> run;
+        run.file          = "stability/" + file;
+        run.settings      = settings;
+        const auto result = suite.run<2>(name, run);
+
+        std::vector<Point> points;
+        for (unsigned int i = 50; i < result.balance_errors.size(); i += 50)
+          points.emplace_back(i,
+                              std::max(std::abs(result.balance_errors[i]),
+                                       1e-18));
+        suite.curve(1, name, points);
+        suite.at_least("steps", result.steps, 10000);
+        suite.at_most("balance error, of sqrt(steps) times the round-off of "
+                      "the energy",
+                      growth(result.balance_errors),
+                      5.);
+        suite.at_most("work of residuals, of the energy",
+                      result.residual_work,
+                      residual_work);
+        suite.at_most("energy that the ledger does not account for",
+                      result.drift,
+                      1e-12);
+        return result;
+      }
+
+      void
+      long_runs(Suite &suite)
+      {
+        suite.open_case(
+          "10,000 steps",
+          "A block that spins and swings in free flight, some sixty turns; a "
+          "bar, held at one end, that swings along its axis.\nWithout a remedy "
+          "the block meets a singular matrix now and then, and what Newton "
+          "leaves there is its drift.");
+        const auto block = run_long(
+          suite, "tumbling.prm", "tumbling block, 6 x 6 points", {}, 1e-6);
+        suite.at_most("change of linear momentum, of m v",
+                      block.linear_momentum,
+                      1e-12);
+        suite.at_most("change of angular momentum, of m v times the block's "
+                      "extent",
+                      block.angular_momentum,
+                      1e-7);
+        const auto with_ghosts =
+          run_long(suite,
+                   "tumbling.prm",
+                   "tumbling block, 2 x 2 points, ghosts",
+                   {"Bodies/block/Points per direction=2", ghosts},
+                   1e-11);
+        suite.at_most("change of linear momentum, of m v",
+                      with_ghosts.linear_momentum,
+                      1e-12);
+        suite.at_most("change of angular momentum, which ghost mass does not "
+                      "keep",
+                      with_ghosts.angular_momentum,
+                      1e-3);
+        run_long(suite, "bar.prm", "vibrating bar", {}, 1e-10);
+
+        std::vector<Point> line;
+        for (const double n : {1., 1e4})
+          line.emplace_back(n,
+                            std::sqrt(n) *
+                              std::numeric_limits<double>::epsilon());
+        suite.curve(1, "sqrt(step) times round-off", line);
+      }
+
+      // ----------------------------------------------------------------------
+
+      /** Give all particles one deformation, and what the material says of it.
+       */
+      template <int dim>
+      std::function<void(Scene<dim> &)>
+      strain(const MandelVector<dim> &b)
+      {
+        return [b](Scene<dim> &scene) {
+          MaterialBatch<dim> batch;
+          batch.n_points             = 1;
+          batch.with_tangent         = false;
+          batch.left_cauchy_green[0] = b;
+          scene.material_of_body[0]->evaluate(batch);
+          for (auto &particle : scene.particles)
+            {
+              auto values = particle.get_properties();
+              for (unsigned int c = 0; c < n_mandel<dim>; ++c)
+                {
+                  values[scene.layout["left_cauchy_green"] + c] = b[c];
+                  values[scene.layout["kirchhoff_stress"] + c] =
+                    batch.kirchhoff_stress[0][c];
+                }
+              values[scene.layout["strain_energy_density"]] =
+                batch.stored_energy[0];
+            }
+        };
+      }
+
+      void
+      increment(Suite                          &suite,
+                const std::string              &name,
+                const std::vector<std::string> &settings,
+                const MandelVector<2>          &b,
+                const unsigned int              most_iterations)
+      {
+        Run<2> run;
+        run.file          = "stability/block.prm";
+        run.settings      = settings;
+        run.prepare       = strain<2>(b);
+        const auto result = suite.run<2>(name, run);
+        suite.at_least("runs to the end", result.has_ended, 1);
+        suite.at_most("iterations", result.most_iterations, most_iterations);
+        suite.at_most("work of residuals, of the energy",
+                      result.residual_work,
+                      1e-13);
+        suite.at_most("unaccounted", result.drift, 1e-12);
+        suite.at_most("change of angular momentum",
+                      result.angular_momentum,
+                      1e-12);
+      }
+
+      void
+      small_increments(Suite &suite)
+      {
+        suite.open_case(
+          "Small and special increments",
+          "`block.prm` at rest; in rigid rotation; in uniform expansion (equal "
+          "eigenvalues); strained by about 10 %, with steps that\nstrain it by "
+          "1e-5 down to 1e-13 more. Newton must end at round-off in each, not "
+          "in noise: its tolerance is 1e-15 there.");
+        const auto        unit     = mandel::unit<2>();
+        const std::string velocity = "Bodies/block/Initial velocity=";
+        Run<2>            rest;
+        rest.file         = "stability/block.prm";
+        rest.settings     = {velocity + "0; 0"};
+        const auto result = suite.run<2>("rest", rest);
+        suite.at_most("iterations", result.most_iterations, 0);
+        suite.at_most("energy, J", result.final_energy, 0.);
+
+        increment(suite,
+                  "rotation",
+                  {velocity + "-0.1*(y - 3.5); 0.1*(x - 3.5)"},
+                  unit,
+                  3);
+        increment(suite,
+                  "expansion",
+                  {velocity + "0.3*(x - 3.5); 0.3*(y - 3.5)"},
+                  unit,
+                  3);
+        MandelVector<2> b = unit;
+        b[0]              = 1.2;
+        b[1]              = 0.85;
+        b[2]              = 0.05;
+        for (const char *const dt :
+             {"1e-4", "1e-5", "1e-6", "1e-7", "1e-8", "1e-9", "1e-10", "1e-12"})
+          increment(suite,
+                    std::string("strained, dt = ") + dt + " s",
+                    {std::string("Time/Step size=") + dt,
+                     "Solver/Newton tolerance=1e-15",
+                     "Time/Maximum steps=10",
+                     velocity + "0.1*(x - 3.5) + 0.02*(y - 3.5); -0.07*(y - "
+                                "3.5)"},
+                    b,
+                    2);
+      }
+    } // namespace
+
+    std::vector<Case>
+    hard_motions()
+    {
+      return {{"incompressible", &incompressible},
+              {"large_steps", &large_steps},
+              {"impact", &impact},
+              {"contrast", &contrast},
+              {"long", &long_runs},
+              {"increments", &small_increments}};
+    }
+  } // namespace stability
+} // namespace emmy
