@@ -56,9 +56,15 @@ main(int argc, char *argv[])
                     0.0573,
                     5e-5,
                     "7.2, paper (eq. 61 as printed), s");
-  const double wave = first_step(cylinders, {"Time/Step rule=wave"});
+  const std::string no_limit = "Time/Maximum travel=0";
+  const double wave = first_step(cylinders, {"Time/Step rule=wave", no_limit});
   test::check_close(wave, 1.927, 5e-4, "7.2, wave, s");
-  test::check_close(first_step(cylinders, {"Time/Step rule=normalised"}),
+  test::check_close(first_step(cylinders, {"Time/Step rule=wave"}),
+                    0.5 * 2. / 0.75,
+                    1e-12,
+                    "7.2, wave, half a cell of 2 m at 0.75 m/s, s");
+  test::check_close(first_step(cylinders,
+                               {"Time/Step rule=normalised", no_limit}),
                     wave,
                     1e-12,
                     "7.2, normalised = wave for an undeformed material, s");
