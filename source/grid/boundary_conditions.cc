@@ -56,13 +56,18 @@ namespace emmy
               const std::string &entry)
   {
     const std::vector<std::string> names = side_names(dim);
-    const auto position = std::find(names.begin(), names.end(), name);
+    const auto        position = std::find(names.begin(), names.end(), name);
+    const std::string nearest  = nearest_name(name, names);
     AssertThrow(position != names.end(),
                 ExcParameter(section,
                              entry,
                              name,
-                             "the grid has no such side. Its sides are " +
-                               join(names) + "."));
+                             "the grid has no such side. " +
+                               (nearest.empty()
+                                  ? std::string()
+                                  : "Did you mean <" + nearest + ">? ") +
+                               "Its sides are " + join(names) +
+                               ". Commas separate several."));
     return position - names.begin();
   }
 

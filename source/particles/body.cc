@@ -41,15 +41,16 @@ namespace emmy
                         initial_velocity,
                         "Components separated by ;, each a formula in x, y "
                         "(and z). Unit: m/s. Empty: at rest.");
-    this->add_parameter("Cut by",
-                        cut_by,
-                        "Sides of the grid beyond which the shape may reach; "
-                        "what lies outside is left out, as where a side is a "
-                        "plane of symmetry. A list of x-min, x-max, y-min, "
-                        "y-max, z-min, z-max.",
-                        this->prm,
-                        dealii::Patterns::List(dealii::Patterns::Anything(),
-                                               0));
+    this->add_parameter(
+      "Cut by",
+      cut_by,
+      "Sides of the grid beyond which the shape may reach; "
+      "what lies outside is left out, as where a side is a "
+      "plane of symmetry; that side should then be a <Roller>, or "
+      "the cut is a free face. A list of x-min, x-max, y-min, "
+      "y-max, z-min, z-max.",
+      this->prm,
+      dealii::Patterns::List(dealii::Patterns::Anything(), 0));
     if (!shape.empty())
       shape_parameters = shape_library<dim>()
                            .find(shape, section, "Shape")

@@ -144,7 +144,8 @@ namespace emmy
   } // namespace
 
   const char *const small_cut_remedy =
-    "Against small cuts, set Effects/Names = ghost stabilisation, or "
+    "Against small cuts, add ghost stabilisation to Effects/Names (often a Mass "
+    "penalty of 1e-3 and no Stiffness penalty will do; it costs energy), or set "
     "Method/Lumping above 0. ";
 
   DiagnosisParameters::DiagnosisParameters(const std::string &path)

@@ -55,9 +55,10 @@ namespace emmy
     add_parameter("Maximum travel",
                   maximum_travel,
                   "Where a scene has several bodies: how far a particle may "
-                  "move in a step, in cells. A longer step is shortened, and "
-                  "run.log says so. 0: no limit. Above 0.5 bodies can pass "
-                  "through one another without meeting.",
+                  "move in a step, in cells, with the velocity that it has at "
+                  "its start. A longer step is shortened, and run.log says so. "
+                  "0: no limit. Above 0.5 bodies can pass through one another "
+                  "without meeting.",
                   prm,
                   Double(0.));
     add_parameter("Shorten last step",

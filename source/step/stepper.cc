@@ -292,7 +292,8 @@ namespace emmy
                                               *start->active);
         if (note && dt > longest)
           *note = where() + ": shortened from " + brief(dt) + " to " +
-                  brief(longest) + " s, and later ones alike, so that no " +
+                  brief(longest) +
+                  " s, and later ones as they need it, so that no " +
                   "particle moves more than Time/Maximum travel = " +
                   brief(method.maximum_travel) +
                   " cells: bodies could pass "

@@ -303,7 +303,7 @@ emmy_run base.prm --set "$alone" --set "$falling" --set 'Effects/Gravity/Acceler
   --set 'Solver/Maximum iterations=1' --set 'Time/Maximum halvings=0'
 check 'a step that fails at a small cut: exit code 1' [ "$status" -eq 1 ]
 expect_error 'a step that fails at a small cut' \
-  'Step 1 from t = 0 s|the scaled Jacobian has the condition number|singular to round-off|weakest at node (|m of the active cell around (1.5, 1.5); 1 particle reaches it: id 0 at (1.5, 1.5) with S = 0.25|Effects/Names = ghost stabilisation|Method/Lumping above 0|more Points per direction'
+  'Step 1 from t = 0 s|the scaled Jacobian has the condition number|singular to round-off|weakest at node (|m of the active cell around (1.5, 1.5); 1 particle reaches it: id 0 at (1.5, 1.5) with S = 0.25|add ghost stabilisation to Effects/Names|Method/Lumping above 0|more Points per direction'
 rm -rf results
 emmy_run base.prm --set 'Bodies/block/Initial velocity=x; 0' \
   --set 'Solver/Maximum iterations=1' --set 'Time/Maximum halvings=0'

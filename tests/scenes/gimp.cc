@@ -215,10 +215,16 @@ namespace
                                 "active_dofs"});
     };
     compare(ParameterFile(folder + "/7.1a.prm"), 30, "7.1a");
-    // from the first contact on; what Newton leaves must not hide behind it
+    // the first contact and flow; what Newton leaves must not hide behind it
     ParameterFile cylinders(folder + "/7.3b.prm");
     cylinders.set("Solver/Newton tolerance=1e-15");
-    compare(cylinders, 50, "7.3b");
+    compare(cylinders, 45, "7.3b");
+    // further on singular matrices of nodes that one particle reaches amplify
+    // the round-off in which ranks differ to about 1e-10; not with ghosts
+    cylinders.set("Effects/Names=ghost stabilisation");
+    cylinders.set("Effects/Ghost stabilisation/Mass penalty=1e-3");
+    cylinders.set("Effects/Ghost stabilisation/Stiffness penalty=0");
+    compare(cylinders, 60, "7.3b, ghost stabilisation");
     // a block that meets a moving wall, with every choice of Method once
     const std::vector<std::vector<std::string>> methods{
       {"Mapping=PIC", "Lumping=0.3"},
