@@ -143,8 +143,8 @@ namespace emmy
   } // namespace
 
   const char *const small_cut_remedy =
-    "Against small cuts, set Effects/Names = ghost stabilisation, or "
-    "Method/Lumping above 0. ";
+    "Against small cuts, set Effects/Names = aggregation or ghost "
+    "stabilisation, or Method/Lumping above 0. ";
 
   DiagnosisParameters::DiagnosisParameters(const std::string &path)
     : Section(path)
