@@ -88,6 +88,37 @@ namespace emmy
       return volume;
     }
 
+    /** Add the mass of a body's points, and keep the largest density. */
+    template <int dim>
+    void
+    add_body(const Stencils<dim> &stencils,
+             const double        *mass,
+             const double        *volume,
+             const unsigned int   body,
+             Exchange            &of_body,
+             Exchange            &density)
+    {
+      for (const auto &group : stencils.groups)
+        if (group.body == body)
+          for (unsigned int a = 0; a < group.n_nodes; ++a)
+            {
+              const double *S   = stencils.value(group, a);
+              const double *m   = mass + group.first_point;
+              const double *V   = volume + group.first_point;
+              double        sum = 0., largest_density = 0.;
+              for (unsigned int p = 0; p < group.n_points; ++p)
+                {
+                  sum += m[p] * S[p];
+                  largest_density = std::max(largest_density, m[p] / V[p]);
+                }
+              const auto id = stencils.node_ids[group.first_node + a];
+              // S may be zero, and then zero or less by round-off
+              of_body(id) += std::max(sum, std::numeric_limits<double>::min());
+              density(id) = std::max<double>(density(id), largest_density);
+            }
+    }
+
+    /** Find how all nodes are fed; the threshold says which are free. */
     template <int dim>
     Nodes
     weigh(const Stencils<dim>       &stencils,
@@ -109,25 +140,7 @@ namespace emmy
       for (unsigned int body = 0; body < result.n_bodies; ++body)
         {
           Exchange of_body(grid.nodes());
-          for (const auto &group : stencils.groups)
-            if (group.body == body)
-              for (unsigned int a = 0; a < group.n_nodes; ++a)
-                {
-                  const double *S   = stencils.value(group, a);
-                  const double *m   = mass + group.first_point;
-                  const double *V   = volume + group.first_point;
-                  double        sum = 0., largest_density = 0.;
-                  for (unsigned int p = 0; p < group.n_points; ++p)
-                    {
-                      sum += m[p] * S[p];
-                      largest_density = std::max(largest_density, m[p] / V[p]);
-                    }
-                  const auto id = stencils.node_ids[group.first_node + a];
-                  // S may be zero, and then zero or less by round-off
-                  of_body(id) +=
-                    std::max(sum, std::numeric_limits<double>::min());
-                  density(id) = std::max<double>(density(id), largest_density);
-                }
+          add_body(stencils, mass, volume, body, of_body, density);
           of_body.compress(dealii::VectorOperation::add);
           for (unsigned int i = 0; i < n_owned; ++i)
             {
