@@ -46,6 +46,13 @@ namespace emmy
   }
 
   template <int dim>
+  const Aggregation<dim> *
+  Balance<dim>::aggregation() const
+  {
+    return effects.aggregation.get();
+  }
+
+  template <int dim>
   std::vector<EnergyEntry>
   Balance<dim>::energy_entries() const
   {
@@ -113,7 +120,7 @@ namespace emmy
       tangent.compress(dealii::VectorOperation::add);
 
     free_residual = full_residual;
-    active.constraints().set_zero(free_residual);
+    active.constraints().condense(free_residual);
     return true;
   }
 
@@ -129,6 +136,13 @@ namespace emmy
   StepEquation<dim>::jacobian()
   {
     return tangent;
+  }
+
+  template <int dim>
+  void
+  StepEquation<dim>::expand(Vector &increment) const
+  {
+    step.start.active->constraints().expand(increment);
   }
 
   template <int dim>

@@ -76,9 +76,9 @@ namespace emmy
                 dofs[dim * a + c] = active.first_dof(nodes[a]) + c;
               }
         if (jacobian)
-          active.constraints().distribute_local_to_global(stiffness,
-                                                          dofs,
-                                                          *jacobian);
+          active.constraints().affine().distribute_local_to_global(stiffness,
+                                                                   dofs,
+                                                                   *jacobian);
       }
     active.add(local_force, force);
     return "";

@@ -258,9 +258,9 @@ namespace emmy
             for (unsigned int a = 0; a < group.n_nodes; ++a)
               for (unsigned int c = 0; c < dim; ++c)
                 dofs.push_back(active.first_dof(nodes[a]) + c);
-            active.constraints().distribute_local_to_global(stiffness,
-                                                            dofs,
-                                                            *jacobian);
+            active.constraints().affine().distribute_local_to_global(stiffness,
+                                                                     dofs,
+                                                                     *jacobian);
           }
       }
     active.add(nodal_force, force); // collective: also after a problem

@@ -1,3 +1,4 @@
+#include <emmy/assembly/aggregation.h>
 #include <emmy/assembly/ghost_stabilisation.h>
 #include <emmy/assembly/gravity.h>
 #include <emmy/assembly/point_load.h>
@@ -36,6 +37,13 @@ namespace emmy
                    [](const std::string &section) {
                      return std::make_unique<GhostParameters<dim>>(section);
                    }});
+      effects.add(
+        {"aggregation",
+         "starved nodes follow well-fed ones, for small cuts: nothing "
+         "is lost",
+         [](const std::string &section) {
+           return std::make_unique<AggregationParameters<dim>>(section);
+         }});
       return effects;
     }();
     return library;

@@ -332,11 +332,11 @@ namespace emmy
   }
 
   LinearResult
-  solve_to_round_off(LinearSolver                            &solver,
-                     const Matrix                            &A,
-                     const dealii::AffineConstraints<double> &constraints,
-                     const Vector                            &b,
-                     Vector                                  &x)
+  solve_to_round_off(LinearSolver      &solver,
+                     const Matrix      &A,
+                     const Constraints &constraints,
+                     const Vector      &b,
+                     Vector            &x)
   {
     constexpr unsigned int max_refinements  = 10;
     constexpr double       krylov_tolerance = 1e-6;
@@ -345,7 +345,7 @@ namespace emmy
     Vector       residual(b), correction(b), better(b);
     const auto   update_residual = [&](const Vector &trial) {
       A.residual(residual, trial, b);
-      constraints.set_zero(residual);
+      constraints.condense(residual);
       return residual.l2_norm();
     };
     double norm = update_residual(x);
@@ -359,6 +359,7 @@ namespace emmy
         if (!solve.is_solved)
           return i == 0 ? solve : result;
         constraints.set_zero(correction);
+        constraints.expand(correction);
         better = x;
         better += correction;
         const double better_norm = update_residual(better);

@@ -130,7 +130,9 @@ namespace emmy
                                            right_side,
                                            newton.linear_tolerance);
       result.linear_iterations += solve.iterations;
-      if (!solve.is_solved)
+      if (solve.is_solved)
+        equation.expand(increment);
+      else
         result.problem = "linear solver: " + solve.problem;
       return solve.is_solved;
     }

@@ -14,10 +14,13 @@ namespace emmy
               const Vector            &velocity_new,
               StepAccounts            &result)
     {
-      // a vector's part on free unknowns, and that on fixed ones
-      const auto split = [&start](const Vector &vector) {
+      // a vector's part on free unknowns, and that on fixed ones; followers
+      // have handed theirs over
+      const auto split = [&start](Vector vector) {
+        const Constraints &constraints = start.active->constraints();
+        constraints.fold(vector);
         std::pair<Vector, Vector> parts(vector, vector);
-        start.active->constraints().set_zero(parts.first);
+        constraints.set_zero(parts.first);
         parts.second -= parts.first;
         return parts;
       };
@@ -27,10 +30,9 @@ namespace emmy
         return misfit;
       };
 
-      Vector reaction = equation.unconstrained_residual();
-      reaction -= equation.residual();
       result.residual_work = equation.residual() * displacement;
-      result.reaction_work = reaction * displacement;
+      result.reaction_work =
+        split(equation.unconstrained_residual()).second * displacement;
 
       Vector change = velocity_new;
       change -= start.mapped_velocity;

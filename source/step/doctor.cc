@@ -144,9 +144,9 @@ namespace emmy
   } // namespace
 
   const char *const small_cut_remedy =
-    "Against small cuts, add ghost stabilisation to Effects/Names (often a Mass "
-    "penalty of 1e-3 and no Stiffness penalty will do; it costs energy), or set "
-    "Method/Lumping above 0. ";
+    "Against small cuts, add aggregation to Effects/Names, or ghost "
+    "stabilisation (often a Mass penalty of 1e-3 and no Stiffness penalty will "
+    "do; it costs energy), or set Method/Lumping above 0. ";
 
   DiagnosisParameters::DiagnosisParameters(const std::string &path)
     : Section(path)
@@ -183,7 +183,15 @@ namespace emmy
         for (unsigned int c = 0; c < dim; ++c, ++entry)
           *entry = std::sin(phase + 1.7 * c);
       }
-    return condition_estimate(matrix, active.constraints(), start);
+    return condition_estimate(matrix, active.constraints().affine(), start);
+  }
+
+  template <int dim>
+  const Matrix &
+  examined_mass(const GridStart<dim> &start)
+  {
+    return start.active->constraints().has_followers() ? start.damped_mass
+                                                       : start.mass;
   }
 
   template <int dim>
@@ -196,7 +204,7 @@ namespace emmy
     Matrix       result;
     result.copy_from(equation.jacobian());
     result.add(-factor, start.damped_mass);
-    result.add(factor, start.mass);
+    result.add(factor, examined_mass(start));
     return result;
   }
 
@@ -307,6 +315,10 @@ namespace emmy
   condition_estimate<2>(const Matrix &, const ActiveGrid<2> &);
   template ConditionEstimate
   condition_estimate<3>(const Matrix &, const ActiveGrid<3> &);
+  template const Matrix &
+  examined_mass<2>(const GridStart<2> &);
+  template const Matrix &
+  examined_mass<3>(const GridStart<3> &);
   template Matrix
   undamped_jacobian<2>(StepEquation<2> &, const GridStart<2> &, const double);
   template Matrix

@@ -27,7 +27,8 @@ namespace emmy
                         boundary_conditions,
                         layout,
                         method.mapping,
-                        method.balance.ghost_faces())
+                        method.balance.ghost_faces(),
+                        method.balance.aggregation())
   {}
 
   template <int dim>
@@ -51,6 +52,7 @@ namespace emmy
     // solve; until here and for as long as the step fails, particles keep
     // their states
     Solution solution = solve(stencils, points);
+    tell_of_followers(solution);
     if (method.diagnosis.small_cuts)
       timed("diagnosis", [&] { examine(stencils, points, solution); });
 
@@ -95,6 +97,7 @@ namespace emmy
           solution.displacement += start->active->on_walls(
             boundary_conditions,
             boundary_conditions.wall_displacements(time, step.time_step));
+        start->active->constraints().expand(solution.displacement);
 
         solution.newton = Newton(solver_parameters, *linear_solver, phases)
                             .solve(*solution.equation, solution.displacement);
@@ -138,13 +141,14 @@ namespace emmy
           solution.equation->evaluate(solution.displacement,
                                       /*with_jacobian=*/true);
         const Diagnosis<dim> diagnosis =
-          has_jacobian
-            ? diagnose_matrix(undamped_jacobian(*solution.equation,
-                                                step.start,
-                                                step.time_step),
-                              step.stencils,
-                              step.points)
-            : diagnose_matrix(step.start.mass, step.stencils, step.points);
+          has_jacobian ? diagnose_matrix(undamped_jacobian(*solution.equation,
+                                                           step.start,
+                                                           step.time_step),
+                                         step.stencils,
+                                         step.points)
+                       : diagnose_matrix(examined_mass(step.start),
+                                         step.stencils,
+                                         step.points);
         const double limit = method.diagnosis.report_above;
         verdict =
           "; " +
@@ -187,7 +191,7 @@ namespace emmy
                         Solution               &solution)
   {
     findings  = std::make_unique<StepDiagnosis<dim>>();
-    *findings = {diagnose_matrix(start->mass, stencils, points),
+    *findings = {diagnose_matrix(examined_mass(*start), stencils, points),
                  diagnose_matrix(undamped_jacobian(*solution.equation,
                                                    *start,
                                                    solution.time_step),
@@ -201,14 +205,38 @@ namespace emmy
   }
 
   template <int dim>
+  void
+  Stepper<dim>::tell_of_followers(Solution &solution)
+  {
+    const Aggregates<dim> &found = start->aggregates;
+    if (found.largest_weight <= largest_weight &&
+        found.n_kept <= most_free_starved)
+      return;
+    largest_weight    = std::max(largest_weight, found.largest_weight);
+    most_free_starved = std::max(most_free_starved, found.n_kept);
+    solution.findings.push_back(where() + ": " + found.text());
+  }
+
+  template <int dim>
   std::vector<StepMeasure>
   Stepper<dim>::measures() const
   {
-    if (!method.diagnosis.small_cuts)
-      return {};
-    return {{"mass_condition", findings ? findings->mass.condition : 0.},
-            {"jacobian_condition",
-             findings ? findings->jacobian.condition : 0.}};
+    std::vector<StepMeasure> result;
+    if (method.diagnosis.small_cuts)
+      result = {{"mass_condition", findings ? findings->mass.condition : 0.},
+                {"jacobian_condition",
+                 findings ? findings->jacobian.condition : 0.}};
+    if (method.balance.aggregation())
+      {
+        const Aggregates<dim> &found = start->aggregates;
+        for (const auto &[name, value] :
+             {std::make_pair("followers", double(found.n_followers)),
+              std::make_pair("free_starved", double(found.n_kept)),
+              std::make_pair("farthest_root", double(found.farthest_root)),
+              std::make_pair("largest_weight", found.largest_weight)})
+          result.push_back({name, value});
+      }
+    return result;
   }
 
   template <int dim>
@@ -326,7 +354,7 @@ namespace emmy
     if (can_diagnose())
       {
         const Diagnosis<dim> diagnosis =
-          diagnose_matrix(start.mass, stencils, points);
+          diagnose_matrix(examined_mass(start), stencils, points);
         const double limit = method.diagnosis.report_above;
         verdict            = "; " + diagnosis.verdict("mass matrix", limit);
         if (diagnosis.is_above(limit) && !diagnosis.nodes.empty())

@@ -9,11 +9,11 @@ namespace emmy
                LinearSolver       &linear_solver,
                GridStart<dim>     &start)
   {
-    const auto &walls = start.active->constraints();
+    const Constraints &constraints = start.active->constraints();
     // the map with and without the essential conditions
-    const auto solve = [&](const Matrix                            &damped_mass,
-                           const dealii::AffineConstraints<double> &constraints,
-                           Vector                                  &velocity) {
+    const auto solve = [&](const Matrix      &damped_mass,
+                           const Constraints &constraints,
+                           Vector            &velocity) {
       LinearResult result = linear_solver.prepare(damped_mass);
       if (result.is_solved)
         result = solve_to_round_off(
@@ -27,18 +27,18 @@ namespace emmy
     if (mapping.walls != PointMapping::Walls::unconstrained)
       {
         Vector velocity = start.mean_velocity;
-        walls.set_zero(velocity);
+        constraints.set_zero(velocity);
         velocity += wall_velocity;
-        result         = solve(start.damped_mass, walls, velocity);
+        constraints.expand(velocity);
+        result         = solve(start.damped_mass, constraints, velocity);
         start.velocity = std::move(velocity);
       }
     if (result.is_solved && mapping.walls != PointMapping::Walls::constrained)
       {
-        dealii::AffineConstraints<double> none;
-        none.close();
         Vector             velocity = start.mean_velocity;
         const unsigned int so_far   = result.iterations;
-        result = solve(start.damped_mass_without_walls, none, velocity);
+        result =
+          solve(start.damped_mass_without_walls, Constraints(), velocity);
         result.iterations += so_far;
         start.mapped_velocity = std::move(velocity);
       }

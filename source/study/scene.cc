@@ -106,11 +106,20 @@ namespace emmy
     template <int dim>
     PointMapping
     make_mapping(const MethodParameters        &method,
-                 const BoundaryConditions<dim> &boundary_conditions)
+                 const BoundaryConditions<dim> &boundary_conditions,
+                 const Balance<dim>            &balance)
     {
       PointMapping mapping = method.make_mapping();
       if (!boundary_conditions.has_walls())
         mapping.walls = PointMapping::Walls::constrained;
+      AssertThrow(!balance.aggregation() ||
+                    mapping.walls == PointMapping::Walls::constrained,
+                  ExcParameter(method.path(),
+                               "Wall mapping",
+                               method.wall_mapping,
+                               "with the effect <aggregation> it must be "
+                               "<constrained>: the map without walls would "
+                               "need followers of its own."));
       return mapping;
     }
 
@@ -140,7 +149,7 @@ namespace emmy
     , balance(make_effects(parameters, material_of_body, layout))
     , shape_functions(make_shape_functions<dim>(parameters.method, layout))
     , domain_update(make_updates(parameters.method, bodies, grid, layout))
-    , mapping(make_mapping(parameters.method, boundary_conditions))
+    , mapping(make_mapping(parameters.method, boundary_conditions, balance))
     , step_rule(make_step_rule(parameters.time, grid, material_of_body, layout))
     , stepper(grid,
               boundary_conditions,

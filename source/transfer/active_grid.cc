@@ -4,6 +4,7 @@
 #include <emmy/transfer/active_grid.h>
 
 #include <algorithm>
+#include <map>
 
 namespace emmy
 {
@@ -37,33 +38,52 @@ namespace emmy
         ids.insert(ids.end(), face.node_ids.begin(), face.node_ids.end());
       return ids;
     }
+
+    /** The grid's nodes, with the roots that lie beyond this rank's part. */
+    template <int dim>
+    std::shared_ptr<const dealii::Utilities::MPI::Partitioner>
+    nodes_and_roots(const BackgroundGrid<dim>        &grid,
+                    const std::vector<Follower<dim>> &followers)
+    {
+      dealii::IndexSet ghosts = grid.nodes()->ghost_indices();
+      for (const Follower<dim> &follower : followers)
+        for (const global_dof_index id : follower.root_ids)
+          ghosts.add_index(id);
+      return std::make_shared<const dealii::Utilities::MPI::Partitioner>(
+        grid.nodes()->locally_owned_range(), ghosts, grid.communicator());
+    }
   } // namespace
 
   template <int dim>
   ActiveGrid<dim>::ActiveGrid(
     const Stencils<dim>               &stencils,
     const std::vector<GhostFace<dim>> &faces,
+    const Aggregates<dim>             &aggregates,
     const BackgroundGrid<dim>         &grid,
     const BoundaryConditions<dim>     &boundary_conditions)
     : grid(grid)
     , active_cells(stencils.active_cells)
     , group_node_ids(stencils.node_ids)
     , face_node_ids(ids_of(faces))
+    , followers(aggregates.followers)
   {
-    number_nodes(stencils);
-    make_constraints(boundary_conditions);
+    const bool has_followers = aggregates.n_followers > 0;
+    number_nodes(stencils, has_followers);
+    make_constraints(boundary_conditions, has_followers);
     make_sparsity(stencils);
   }
 
   template <int dim>
   bool
   ActiveGrid<dim>::fits(const Stencils<dim>               &stencils,
-                        const std::vector<GhostFace<dim>> &faces) const
+                        const std::vector<GhostFace<dim>> &faces,
+                        const Aggregates<dim>             &aggregates) const
   {
     return dealii::Utilities::MPI::min(stencils.node_ids == group_node_ids &&
                                            stencils.active_cells ==
                                              active_cells &&
-                                           ids_of(faces) == face_node_ids
+                                           ids_of(faces) == face_node_ids &&
+                                           aggregates.followers == followers
                                          ? 1
                                          : 0,
                                        communicator()) == 1;
@@ -95,7 +115,8 @@ namespace emmy
 
   template <int dim>
   void
-  ActiveGrid<dim>::number_nodes(const Stencils<dim> &stencils)
+  ActiveGrid<dim>::number_nodes(const Stencils<dim> &stencils,
+                                const bool           has_followers)
   {
     // a node is active if any rank has a particle that reaches it
     Exchange active(grid.nodes());
@@ -112,12 +133,18 @@ namespace emmy
       sum_below_and_total(owned_ids.size(), communicator());
 
     // numbers of the nodes that others own (exact in double up to 2^53)
-    Exchange number(grid.nodes());
+    Exchange number(has_followers ? nodes_and_roots(grid, followers)
+                                  : grid.nodes());
     for (unsigned int i = 0; i < owned_ids.size(); ++i)
       number(owned_ids[i]) = first + i;
     number.update_ghost_values();
 
     std::vector<std::pair<global_dof_index, global_dof_index>> ghosts;
+    std::map<global_dof_index, dealii::Point<dim>>             root_positions;
+    const auto is_known = [&](const global_dof_index id) {
+      return grid.nodes()->in_local_range(id) ||
+             grid.nodes()->is_ghost_entry(id);
+    };
     const auto add_ghost = [&](const global_dof_index id) {
       if (!grid.nodes()->in_local_range(id))
         ghosts.emplace_back(static_cast<global_dof_index>(number(id)), id);
@@ -130,6 +157,17 @@ namespace emmy
     for (const auto &cell : active_cells)
       for (const global_dof_index id : grid.node_ids(cell))
         add_ghost(id);
+    for (const Follower<dim> &follower : followers)
+      {
+        add_ghost(follower.node_id);
+        for (unsigned int v = 0; v < Follower<dim>::n_roots; ++v)
+          {
+            const global_dof_index id = follower.root_ids[v];
+            add_ghost(id);
+            if (!is_known(id))
+              root_positions[id] = follower.root_position(v, grid);
+          }
+      }
     std::sort(ghosts.begin(), ghosts.end());
     ghosts.erase(std::unique(ghosts.begin(), ghosts.end()), ghosts.end());
 
@@ -143,7 +181,8 @@ namespace emmy
       }
     for (unsigned int i = 0; i < ids.size(); ++i)
       {
-        node_positions.push_back(grid.node_position(ids[i]));
+        node_positions.push_back(is_known(ids[i]) ? grid.node_position(ids[i])
+                                                  : root_positions[ids[i]]);
         local_index_of.emplace_back(ids[i], i);
       }
     std::sort(local_index_of.begin(), local_index_of.end());
@@ -186,18 +225,37 @@ namespace emmy
   template <int dim>
   void
   ActiveGrid<dim>::make_constraints(
-    const BoundaryConditions<dim> &boundary_conditions)
+    const BoundaryConditions<dim> &boundary_conditions,
+    const bool                     has_followers)
   {
-    reinit_constraints(essential, owned_dofs, known_dofs);
+    conditions = Constraints(dof_partition);
     for (unsigned int node = 0; node < n_local_nodes(); ++node)
       {
         const auto fixed =
           boundary_conditions.fixed_components(node_positions[node]);
         for (unsigned int c = 0; c < dim; ++c)
           if (fixed[c])
-            essential.add_line(first_dof(node) + c);
+            conditions.fix(first_dof(node) + c);
       }
-    essential.close();
+    for (const Follower<dim> &follower : followers)
+      {
+        const unsigned int node = local_index(follower.node_id);
+        const auto         fixed =
+          boundary_conditions.fixed_components(node_positions[node]);
+        for (unsigned int c = 0; c < dim; ++c)
+          {
+            if (fixed[c])
+              continue;
+            Constraints::Entries entries;
+            for (unsigned int v = 0; v < Follower<dim>::n_roots; ++v)
+              if (follower.weights[v] != 0.)
+                entries.emplace_back(
+                  first_dof(local_index(follower.root_ids[v])) + c,
+                  follower.weights[v]);
+            conditions.follow(first_dof(node) + c, entries);
+          }
+      }
+    conditions.close(has_followers);
   }
 
   template <int dim>
@@ -224,8 +282,11 @@ namespace emmy
       for (unsigned int a = 0; a < n; ++a)
         for (unsigned int c = 0; c < dim; ++c)
           dofs.push_back(first_dof(nodes[a]) + c);
-      for (const auto row : dofs)
-        pattern.add_entries(row, dofs.begin(), dofs.end());
+      if (conditions.has_followers()) // couples roots too
+        conditions.affine().add_entries_local_to_global(dofs, pattern, true);
+      else
+        for (const auto row : dofs)
+          pattern.add_entries(row, dofs.begin(), dofs.end());
     };
     for (const auto &group : stencils.groups)
       couple(nodes(group), group.n_nodes);

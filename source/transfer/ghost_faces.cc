@@ -1,6 +1,7 @@
 #include <deal.II/grid/grid_tools.h>
 
 #include <emmy/transfer/ghost_faces.h>
+#include <emmy/transfer/group_cells.h>
 
 #include <algorithm>
 #include <map>
@@ -28,30 +29,6 @@ namespace emmy
 
     template <int dim>
     using ActiveCells = std::map<Lattice<dim>, CellData>;
-
-    /** All cells that a group of points overlaps. */
-    template <int dim, class Function>
-    void
-    for_each_cell(const Stencils<dim>                 &stencils,
-                  const typename Stencils<dim>::Group &group,
-                  const BackgroundGrid<dim>           &grid,
-                  const Function                      &function)
-    {
-      // the nodes of a group are those of a box of cells, corner to corner
-      const dealii::Tensor<1, dim> half_cell = 0.5 * grid.cell_size();
-      const auto                  *ids = &stencils.node_ids[group.first_node];
-      const Lattice<dim>           first =
-        grid.lattice(grid.node_position(ids[0]) + half_cell);
-      const Lattice<dim> last =
-        grid.lattice(grid.node_position(ids[group.n_nodes - 1]) - half_cell);
-      Lattice<dim> cell = first;
-      for (unsigned int d = 0; d < dim;)
-        {
-          function(cell);
-          for (d = 0; d < dim && ++cell[d] > last[d]; ++d)
-            cell[d] = first[d];
-        }
-    }
 
     /** The active cells that this rank owns, whoever's points make them so. */
     template <int dim>

@@ -28,11 +28,13 @@ namespace emmy
     const BoundaryConditions<dim> &boundary_conditions,
     const FieldLayout             &layout,
     const PointMapping            &mapping,
-    const GhostFaces<dim>         *find_ghost_faces)
+    const GhostFaces<dim>         *find_ghost_faces,
+    const Aggregation<dim>        *aggregate)
     : grid(grid)
     , boundary_conditions(boundary_conditions)
     , mapping(mapping)
     , find_ghost_faces(find_ghost_faces)
+    , aggregate(aggregate)
     , mass_component(layout["mass"])
     , velocity_component(layout["velocity"])
   {
@@ -49,10 +51,17 @@ namespace emmy
     if (find_ghost_faces)
       start.ghost_faces =
         (*find_ghost_faces)(stencils, grid, boundary_conditions);
-    if (!start.active || !start.active->fits(stencils, start.ghost_faces))
+    if (aggregate)
+      start.aggregates = (*aggregate)(stencils, points, grid);
+    if (!start.active ||
+        !start.active->fits(stencils, start.ghost_faces, start.aggregates))
       {
-        start.active = std::make_unique<const ActiveGrid<dim>>(
-          stencils, start.ghost_faces, grid, boundary_conditions);
+        start.active =
+          std::make_unique<const ActiveGrid<dim>>(stencils,
+                                                  start.ghost_faces,
+                                                  start.aggregates,
+                                                  grid,
+                                                  boundary_conditions);
         start.mass.reinit(start.active->sparsity());
         start.damped_mass.reinit(start.active->sparsity());
         if (mapping.walls != PointMapping::Walls::constrained)
@@ -127,9 +136,8 @@ namespace emmy
         // far below any S^2 that is not zero
         for (unsigned int i = 0; i < dim * n; ++i)
           cell_mass(i, i) += mass_damping * row_sums[i] + 1e-30 * group_mass;
-        active.constraints().distribute_local_to_global(cell_mass,
-                                                        dofs,
-                                                        start.damped_mass);
+        active.constraints().affine().distribute_local_to_global(
+          cell_mass, dofs, start.damped_mass);
         if (without_walls)
           start.damped_mass_without_walls.add(dofs, cell_mass);
       }
@@ -161,9 +169,8 @@ namespace emmy
                   face.mass * start.ghost_matrices[face.direction](a, b);
             }
         start.mass.add(dofs, mass);
-        active.constraints().distribute_local_to_global(mass,
-                                                        dofs,
-                                                        start.damped_mass);
+        active.constraints().affine().distribute_local_to_global(
+          mass, dofs, start.damped_mass);
         if (mapping.walls != PointMapping::Walls::constrained)
           start.damped_mass_without_walls.add(dofs, mass);
       }

@@ -274,6 +274,20 @@ refused 'no penalty' '<Effects/Ghost stabilisation/Mass penalty> is <0>|both pen
   --set 'Effects/Ghost stabilisation/Mass penalty=0' \
   --set 'Effects/Ghost stabilisation/Stiffness penalty=0'
 
+echo "Aggregation"
+for threshold in 0 1; do
+  refused "mass threshold $threshold" \
+    "<Effects/Aggregation/Mass threshold> is <$threshold>|must lie between 0 and 1" \
+    base.prm --set 'Effects/Names=aggregation' \
+    --set "Effects/Aggregation/Mass threshold=$threshold"
+done
+for mapping in unconstrained inelastic; do
+  refused "aggregation with $mapping walls" \
+    "<Method/Wall mapping> is <$mapping>|it must be <constrained>" \
+    base.prm --set 'Effects/Names=aggregation' --set 'Boundary conditions/Fixed=y-min' \
+    --set "Method/Wall mapping=$mapping"
+done
+
 echo "Walls"
 refused_set 'velocity of a free side' \
   '<Boundary conditions/Velocity of y-min> is <t>|this side is free|<Fixed> or <Roller>' \
@@ -303,7 +317,7 @@ emmy_run base.prm --set "$alone" --set "$falling" --set 'Effects/Gravity/Acceler
   --set 'Solver/Maximum iterations=1' --set 'Time/Maximum halvings=0'
 check 'a step that fails at a small cut: exit code 1' [ "$status" -eq 1 ]
 expect_error 'a step that fails at a small cut' \
-  'Step 1 from t = 0 s|the scaled Jacobian has the condition number|singular to round-off|weakest at node (|m of the active cell around (1.5, 1.5); 1 particle reaches it: id 0 at (1.5, 1.5) with S = 0.25|add ghost stabilisation to Effects/Names|Method/Lumping above 0|more Points per direction'
+  'Step 1 from t = 0 s|the scaled Jacobian has the condition number|singular to round-off|weakest at node (|m of the active cell around (1.5, 1.5); 1 particle reaches it: id 0 at (1.5, 1.5) with S = 0.25|add aggregation to Effects/Names|Method/Lumping above 0|more Points per direction'
 rm -rf results
 emmy_run base.prm --set 'Bodies/block/Initial velocity=x; 0' \
   --set 'Solver/Maximum iterations=1' --set 'Time/Maximum halvings=0'

@@ -32,6 +32,7 @@ namespace emmy
       bool                     plastic   = false;
       bool                     moving    = false;   ///< the side y-min
       double ghost_mass = 0., ghost_stiffness = 0.; ///< penalties
+      double aggregation = 0.;                      ///< mass threshold; 0: none
     };
 
     /**
@@ -53,7 +54,8 @@ namespace emmy
       dealii::Particles::ParticleHandler<dim>  particles;
       dealii::Tensor<1, dim>                   acceleration;
 
-      explicit Cloud(const CloudOptions &options)
+      explicit Cloud(const CloudOptions &options,
+                     const MPI_Comm      communicator = MPI_COMM_WORLD)
       {
         dealii::ParameterAcceptor::clear();
         grid_parameters     = std::make_unique<GridParameters<dim>>();
@@ -68,8 +70,8 @@ namespace emmy
             grid_parameters->lower_corner[d] = -0.3 + d;
             grid_parameters->upper_corner[d] = 1.7 + 1.3 * d;
           }
-        grid = std::make_unique<BackgroundGrid<dim>>(*grid_parameters,
-                                                     MPI_COMM_WORLD);
+        grid =
+          std::make_unique<BackgroundGrid<dim>>(*grid_parameters, communicator);
         boundary_parameters->roller = options.roller;
         boundary_parameters->fixed  = options.fixed;
         if (options.moving)
@@ -110,6 +112,9 @@ namespace emmy
               options.ghost_stiffness,
               std::vector<const Material<dim> *>{material.get()});
           }
+        if (options.aggregation > 0.)
+          effects.aggregation = std::make_unique<const Aggregation<dim>>(
+            options.aggregation, layout["mass"], layout["reference_volume"]);
         balance = std::make_unique<Balance<dim>>(std::move(effects));
         if (options.gimp)
           shape_functions = std::make_unique<GimpShapeFunctions<dim>>(layout);
@@ -149,6 +154,15 @@ namespace emmy
                 0.5 + 0.4 * x[(d + 1) % dim] + random(0.2);
             values[layout["mass"]]             = 0.5 + unit(generator);
             values[layout["reference_volume"]] = 0.02 + 0.01 * unit(generator);
+            if (options.aggregation > 0.) // starved is what has few points
+              {
+                double volume = 1.2 - 0.4 * unit(generator);
+                for (unsigned int d = 0; d < dim; ++d)
+                  volume *= grid->upper_corner()[d] - grid->lower_corner()[d];
+                volume /= options.n_points;
+                values[layout["mass"]]             = 10. * volume;
+                values[layout["reference_volume"]] = volume;
+              }
 
             dealii::Tensor<2, dim> F;
             for (unsigned int i = 0; i < dim; ++i)

@@ -37,6 +37,10 @@ namespace emmy
     const GhostFaces<dim> *
     ghost_faces() const;
 
+    /** What finds starved nodes and their roots; null without it. */
+    const Aggregation<dim> *
+    aggregation() const;
+
     /** Entries of the ledger that the terms bring, all zero. */
     std::vector<EnergyEntry>
     energy_entries() const;
@@ -59,6 +63,8 @@ namespace emmy
     residual() const override;
     Matrix &
     jacobian() override;
+    void
+    expand(Vector &increment) const override;
     double
     scale() const override;
     double

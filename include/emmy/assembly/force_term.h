@@ -47,8 +47,8 @@ namespace emmy
 
     /**
      * Add the force to @p force and, unless null, its derivative to
-     * @p jacobian; constrained rows and columns are left out of the
-     * derivative, not of the force. Collective.
+     * @p jacobian; the constraints are worked into the derivative, not into
+     * the force. Collective.
      *
      * @return what is wrong on this rank with the iterate, empty if nothing;
      *   then force and jacobian may be incomplete, but all collective calls
@@ -117,6 +117,8 @@ namespace emmy
     std::vector<std::unique_ptr<Marker<dim>>>    markers;
     /** Faces that ghost stabilisation penalises; null without it. */
     std::unique_ptr<const GhostFaces<dim>> ghost_faces;
+    /** Lets starved nodes follow others; null without it. */
+    std::unique_ptr<const Aggregation<dim>> aggregation;
 
     /** Borrowed; one per body. There before the first effect is added. */
     std::vector<const Material<dim> *> material_of_body;

@@ -22,13 +22,20 @@ namespace emmy
     virtual bool
     evaluate(const Vector &solution, const bool with_jacobian) = 0;
 
-    /** r on free unknowns, zero on constrained ones. */
+    /**
+     * r on free unknowns, with what their followers hand over to them; zero on
+     * constrained ones.
+     */
     virtual const Vector &
     residual() const = 0;
 
     /** The derivative of r; Newton may add to it before it solves. */
     virtual Matrix &
     jacobian() = 0;
+
+    /** Give followers in an increment the values of their roots. Collective. */
+    virtual void
+    expand(Vector &increment) const = 0;
 
     /** The size of the forces that balance in r, in the 2-norm. */
     virtual double

@@ -1,10 +1,9 @@
 #ifndef emmy_solve_linear_solver_h
 #define emmy_solve_linear_solver_h
 
-#include <deal.II/lac/affine_constraints.h>
-
 #include <emmy/base/linear_algebra.h>
 #include <emmy/base/section.h>
+#include <emmy/transfer/constraints.h>
 
 #include <memory>
 #include <string>
@@ -83,18 +82,18 @@ namespace emmy
                      const unsigned int      n_components);
 
   /**
-   * Solve A x = b on the unconstrained unknowns to round-off: by iterative
+   * Solve A x = b to round-off, with constraints C^T A x = C^T b: by iterative
    * refinement, until the residual no longer falls, with a solver that was
    * prepared with a matrix close to A. Starts from @p x, which satisfies the
    * constraints, and keeps what A cannot see of it. The identities of the
    * ledger need a small residual, not a small condition number.
    */
   LinearResult
-  solve_to_round_off(LinearSolver                            &solver,
-                     const Matrix                            &A,
-                     const dealii::AffineConstraints<double> &constraints,
-                     const Vector                            &b,
-                     Vector                                  &x);
+  solve_to_round_off(LinearSolver      &solver,
+                     const Matrix      &A,
+                     const Constraints &constraints,
+                     const Vector      &b,
+                     Vector            &x);
 } // namespace emmy
 
 #endif

@@ -29,8 +29,18 @@ namespace emmy
   condition_estimate(const Matrix &matrix, const ActiveGrid<dim> &active);
 
   /**
+   * The mass matrix that a diagnosis is about: M~, or, if nodes follow others,
+   * C^T M~ C with the damping of linear solvers, 1e-13, which does not show
+   * in a condition number far below 1e13.
+   */
+  template <int dim>
+  const Matrix &
+  examined_mass(const GridStart<dim> &start);
+
+  /**
    * The derivative of r(u) where the equation was evaluated last, without the
-   * damping of the mass that is in StepEquation::jacobian(). Nobody may have
+   * damping of the mass that is in StepEquation::jacobian(), unless
+   * examined_mass() has it too. Nobody may have
    * added to that since. Collective.
    */
   template <int dim>

@@ -114,7 +114,10 @@ namespace emmy
     examine(const Stencils<dim>    &stencils,
             const PointArrays<dim> &points,
             Solution               &solution);
-    /** The numbers that examine() found; zero before the first step. */
+    /** A line for the log if starved nodes are worse off than ever before. */
+    void
+    tell_of_followers(Solution &solution);
+    /** What examine() found, zero before the first step; and on followers. */
     std::vector<StepMeasure>
     measures() const;
     /** Whether the matrices are small enough to look for a small cut. */
@@ -155,7 +158,10 @@ namespace emmy
     Vector                        velocity;
     /** Null unless asked for, and before the first step. */
     std::unique_ptr<StepDiagnosis<dim>> findings;
-    std::uint64_t most_cut_domains   = 0; ///< when last told
+    std::uint64_t most_cut_domains = 0; ///< when last told
+    /** Of all steps. */
+    std::uint64_t most_free_starved  = 0;
+    double        largest_weight     = 0.;
     bool          has_limited_travel = false;
     unsigned int  step_number        = 0;
     double        time               = 0.;

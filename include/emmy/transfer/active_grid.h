@@ -5,12 +5,13 @@
 
 #include <deal.II/base/partitioner.h>
 
-#include <deal.II/lac/affine_constraints.h>
 #include <deal.II/lac/trilinos_sparsity_pattern.h>
 
 #include <emmy/base/linear_algebra.h>
 #include <emmy/grid/boundary_conditions.h>
 #include <emmy/particles/stencils.h>
+#include <emmy/transfer/aggregation.h>
+#include <emmy/transfer/constraints.h>
 #include <emmy/transfer/ghost_faces.h>
 
 #include <vector>
@@ -23,8 +24,8 @@ namespace emmy
    * of component c of node n is dim n + c. All other nodes carry no equation.
    *
    * Arrays over nodes are local to the rank: first the active nodes that it
-   * owns, in the order of their numbers, then those of its active cells that
-   * another rank owns.
+   * owns, in the order of their numbers, then those of its active cells, and
+   * of the roots of their nodes, that another rank owns.
    *
    * Made by the transfer when the set of active cells changes, kept
    * otherwise. Cost: proportional to the rank's part of the grid.
@@ -33,20 +34,26 @@ namespace emmy
   class ActiveGrid
   {
   public:
-    /** @param faces whose nodes are to be coupled too. Collective. */
+    /**
+     * Collective.
+     * @param faces      whose nodes are to be coupled too
+     * @param aggregates nodes that follow others
+     */
     ActiveGrid(const Stencils<dim>               &stencils,
                const std::vector<GhostFace<dim>> &faces,
+               const Aggregates<dim>             &aggregates,
                const BackgroundGrid<dim>         &grid,
                const BoundaryConditions<dim>     &boundary_conditions);
 
     /**
-     * Whether these stencils have the same groups of nodes, and the faces are
-     * the same, so that numbering, constraints and sparsity can stay.
-     * Collective.
+     * Whether these stencils have the same groups of nodes, and faces and
+     * followers are the same, so that numbering, constraints and sparsity can
+     * stay. Collective.
      */
     bool
     fits(const Stencils<dim>               &stencils,
-         const std::vector<GhostFace<dim>> &faces) const;
+         const std::vector<GhostFace<dim>> &faces,
+         const Aggregates<dim>             &aggregates) const;
 
     /** Local indices of a group's nodes. */
     const unsigned int *
@@ -131,10 +138,11 @@ namespace emmy
     {
       return owned_dofs;
     }
-    const dealii::AffineConstraints<double> &
+    /** Essential conditions, and nodes that follow others. */
+    const Constraints &
     constraints() const
     {
-      return essential;
+      return conditions;
     }
 
     /** Pattern of all matrices on this grid. */
@@ -160,9 +168,11 @@ namespace emmy
     unsigned int
     local_index(const dealii::types::global_dof_index grid_id) const;
     void
-    number_nodes(const Stencils<dim> &stencils);
+    number_nodes(const Stencils<dim> &stencils, const bool has_followers);
+    /** Essential conditions win: a fixed component does not follow. */
     void
-    make_constraints(const BoundaryConditions<dim> &boundary_conditions);
+    make_constraints(const BoundaryConditions<dim> &boundary_conditions,
+                     const bool                     has_followers);
     void
     make_sparsity(const Stencils<dim> &stencils);
 
@@ -182,11 +192,12 @@ namespace emmy
     /** The same of the faces. */
     std::vector<dealii::types::global_dof_index> face_node_ids;
     std::vector<unsigned int>                    nodes_of_faces;
+    std::vector<Follower<dim>>                   followers;
 
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> node_partition,
       dof_partition;
     dealii::IndexSet                          owned_dofs, known_dofs;
-    dealii::AffineConstraints<double>         essential;
+    Constraints                               conditions;
     dealii::TrilinosWrappers::SparsityPattern pattern;
     /** What make_vector() copies. */
     Vector zero;

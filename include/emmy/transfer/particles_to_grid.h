@@ -48,8 +48,8 @@ namespace emmy
     /** Effective mass M~ over all unknowns, without constraints, kg. */
     Matrix mass;
     /**
-     * What linear solvers factorise in place of M~: with the essential
-     * conditions worked in, and damped with mass_damping times the lumped
+     * What linear solvers factorise in place of M~: with the constraints
+     * worked in, and damped with mass_damping times the lumped
      * mass. M~ is singular wherever a new cell holds fewer particles than it
      * adds nodes. The damping does not change any result: the map is refined
      * until M~ v = p holds to round-off, and Newton's residual knows only M~.
@@ -76,6 +76,8 @@ namespace emmy
      * with Walls::inelastic that of the map without walls.
      */
     Vector mapped_velocity;
+    /** Nodes that follow others; without the effect there is none. */
+    Aggregates<dim> aggregates;
     /** Of ghost stabilisation, whose mass is part of M~; else empty. */
     std::vector<GhostFace<dim>> ghost_faces;
     /** J of a face by its direction, m^dim; only with ghost faces. */
@@ -102,7 +104,8 @@ namespace emmy
                     const BoundaryConditions<dim> &boundary_conditions,
                     const FieldLayout             &layout,
                     const PointMapping            &mapping,
-                    const GhostFaces<dim>         *find_ghost_faces = nullptr);
+                    const GhostFaces<dim>         *find_ghost_faces = nullptr,
+                    const Aggregation<dim>        *aggregate        = nullptr);
 
     /**
      * Renew active nodes, mass and momentum. The velocity is left to the
@@ -127,6 +130,7 @@ namespace emmy
     const BoundaryConditions<dim> &boundary_conditions;
     const PointMapping            &mapping;
     const GhostFaces<dim> *const   find_ghost_faces; ///< null: there are none
+    const Aggregation<dim> *const  aggregate;        ///< the same
     const unsigned int             mass_component, velocity_component;
     GridStart<dim>                 start;
   };

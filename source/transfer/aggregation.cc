@@ -1,0 +1,278 @@
+#include <emmy/transfer/aggregation.h>
+#include <emmy/transfer/roots.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace emmy
+{
+  namespace
+  {
+    using Exchange = Feeding::Values;
+
+    /** How many cells a node is away from the lower corner. */
+    template <int dim>
+    std::array<int, dim>
+    node_lattice(const dealii::Point<dim> &x, const BackgroundGrid<dim> &grid)
+    {
+      std::array<int, dim> result;
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] =
+          std::lround((x[d] - grid.lower_corner()[d]) / grid.cell_size()[d]);
+      return result;
+    }
+
+    /** int N_A, m^dim. */
+    template <int dim>
+    double
+    volume_of_node(const dealii::Point<dim> &x, const BackgroundGrid<dim> &grid)
+    {
+      const auto place  = node_lattice(x, grid);
+      double     volume = 1.;
+      for (unsigned int d = 0; d < dim; ++d)
+        volume *=
+          (place[d] == 0 || place[d] == int(grid.n_cells()[d]) ? 0.5 : 1.) *
+          grid.cell_size()[d];
+      return volume;
+    }
+
+    /** Add the mass of a body's points, and keep the largest density. */
+    template <int dim>
+    void
+    add_body(const Stencils<dim> &stencils,
+             const double        *mass,
+             const double        *volume,
+             const unsigned int   body,
+             Exchange            &of_body,
+             Exchange            &density)
+    {
+      for (const auto &group : stencils.groups)
+        if (group.body == body)
+          for (unsigned int a = 0; a < group.n_nodes; ++a)
+            {
+              const double *S   = stencils.value(group, a);
+              const double *m   = mass + group.first_point;
+              const double *V   = volume + group.first_point;
+              double        sum = 0., largest_density = 0.;
+              for (unsigned int p = 0; p < group.n_points; ++p)
+                {
+                  sum += m[p] * S[p];
+                  largest_density = std::max(largest_density, m[p] / V[p]);
+                }
+              const auto id = stencils.node_ids[group.first_node + a];
+              // S may be zero, and then zero or less by round-off
+              of_body(id) += std::max(sum, std::numeric_limits<double>::min());
+              density(id) = std::max<double>(density(id), largest_density);
+            }
+    }
+
+    /** Find how all nodes are fed; the threshold says which are free. */
+    template <int dim>
+    Feeding
+    weigh(const Stencils<dim>       &stencils,
+          const double              *mass,
+          const double              *volume,
+          const double               threshold,
+          const BackgroundGrid<dim> &grid)
+    {
+      Feeding result;
+      for (const auto &group : stencils.groups)
+        result.n_bodies = std::max(result.n_bodies, group.body + 1);
+      result.n_bodies =
+        dealii::Utilities::MPI::max(result.n_bodies, grid.communicator());
+
+      Exchange           total(grid.nodes()), density(grid.nodes());
+      const unsigned int n_owned = total.locally_owned_size();
+      result.body.resize(n_owned);
+      std::vector<double> largest(n_owned);
+      for (unsigned int body = 0; body < result.n_bodies; ++body)
+        {
+          Exchange of_body(grid.nodes());
+          add_body(stencils, mass, volume, body, of_body, density);
+          of_body.compress(dealii::VectorOperation::add);
+          for (unsigned int i = 0; i < n_owned; ++i)
+            {
+              const double m = of_body.local_element(i);
+              total.local_element(i) += m;
+              if (!reaches(largest[i], m))
+                {
+                  largest[i]     = m;
+                  result.body[i] = body;
+                }
+            }
+        }
+      density.compress(dealii::VectorOperation::max);
+
+      result.part.reinit(grid.nodes());
+      result.is_free.reinit(grid.nodes());
+      for (unsigned int i = 0; i < n_owned; ++i)
+        if (density.local_element(i) > 0.)
+          {
+            const auto id = grid.nodes()->local_to_global(i);
+            result.part.local_element(i) =
+              total.local_element(i) /
+              (density.local_element(i) *
+               volume_of_node(grid.node_position(id), grid));
+            result.is_free.local_element(i) =
+              reaches(result.part.local_element(i), threshold);
+            result.active.push_back(i);
+          }
+      result.part.update_ghost_values();
+      return result;
+    }
+
+    /** By component and by node of the root: what owners tell of a node. */
+    using Fields = std::vector<Exchange>;
+
+    /**
+     * The owner of a node chooses its root, as it knows all cells around.
+     * @return at each owned node the root's place in the lattice plus one, 0 if
+     *   there is none, and the ids of the root's nodes (numbers are exact in
+     *   double up to 2^53)
+     */
+    template <int dim>
+    Fields
+    choose(const Feeding             &nodes,
+           const Roots<dim>          &roots,
+           const BackgroundGrid<dim> &grid)
+    {
+      Fields fields(dim + Follower<dim>::n_roots, Exchange(grid.nodes()));
+      for (const unsigned int node : nodes.active)
+        {
+          if (nodes.is_free.local_element(node) > 0.)
+            continue;
+          const auto lattice = node_lattice<dim>(
+            grid.node_position(grid.nodes()->local_to_global(node)), grid);
+          std::array<int, dim> first, place;
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              first[d] = lattice[d] - 1;
+              place[d] = 2 * lattice[d];
+            }
+          const Root<dim> *root =
+            preferred<dim>(roots, first, 2, nodes.body[node], place, grid);
+          Assert(root, dealii::ExcInternalError());
+          for (unsigned int d = 0; d < dim; ++d)
+            fields[d].local_element(node) = root->cell[d] + 1.;
+          for (unsigned int v = 0; v < Follower<dim>::n_roots; ++v)
+            fields[dim + v].local_element(node) = root->ids[v];
+        }
+      return fields;
+    }
+
+    template <int dim>
+    Follower<dim>
+    make_follower(const Fields              &fields,
+                  const unsigned int         node,
+                  const BackgroundGrid<dim> &grid)
+    {
+      Follower<dim> follower;
+      follower.node_id = grid.nodes()->local_to_global(node);
+      follower.weights.fill(1.);
+      const auto lattice =
+        node_lattice<dim>(grid.node_position(follower.node_id), grid);
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          follower.root[d]   = fields[d].local_element(node) - 1.;
+          const int distance = lattice[d] - int(follower.root[d]);
+          for (unsigned int v = 0; v < Follower<dim>::n_roots; ++v)
+            follower.weights[v] *= (v >> d) & 1 ? distance : 1 - distance;
+          follower.distance =
+            std::max<int>(follower.distance, std::max(-distance, distance - 1));
+        }
+      for (unsigned int v = 0; v < Follower<dim>::n_roots; ++v)
+        follower.root_ids[v] = fields[dim + v].local_element(node);
+      return follower;
+    }
+  } // namespace
+
+  template <int dim>
+  dealii::Point<dim>
+  Follower<dim>::root_position(const unsigned int         vertex,
+                               const BackgroundGrid<dim> &grid) const
+  {
+    dealii::Point<dim> result = grid.lower_corner();
+    for (unsigned int d = 0; d < dim; ++d)
+      result[d] += (root[d] + ((vertex >> d) & 1)) * grid.cell_size()[d];
+    return result;
+  }
+
+  template <int dim>
+  std::string
+  Aggregates<dim>::text() const
+  {
+    return std::to_string(n_followers) +
+           " starved nodes follow roots at most " +
+           std::to_string(farthest_root) +
+           " cells away, the largest weight is " +
+           std::to_string(std::lround(largest_weight)) +
+           (n_kept > 0 ? "; " + std::to_string(n_kept) +
+                           " starved nodes are free, as no cell around has more"
+                       : std::string());
+  }
+
+  template <int dim>
+  Aggregation<dim>::Aggregation(const double       mass_threshold,
+                                const unsigned int mass_component,
+                                const unsigned int volume_component)
+    : threshold(mass_threshold)
+    , mass_component(mass_component)
+    , volume_component(volume_component)
+  {}
+
+  template <int dim>
+  Aggregates<dim>
+  Aggregation<dim>::operator()(const Stencils<dim>       &stencils,
+                               const PointArrays<dim>    &points,
+                               const BackgroundGrid<dim> &grid) const
+  {
+    Feeding          nodes       = weigh(stencils,
+                          points.component(mass_component),
+                          points.component(volume_component),
+                          threshold,
+                          grid);
+    const Roots<dim> roots       = find_roots(stencils, threshold, grid, nodes);
+    const Fields     fields      = choose<dim>(nodes, roots, grid);
+    std::uint64_t    n_followers = 0, n_kept = 0;
+    for (const unsigned int node : nodes.active)
+      if (nodes.is_free.local_element(node) == 0.)
+        ++n_followers;
+      else if (!reaches(nodes.part.local_element(node), threshold))
+        ++n_kept;
+    const MPI_Comm  communicator = grid.communicator();
+    Aggregates<dim> result;
+    result.n_followers = dealii::Utilities::MPI::sum(n_followers, communicator);
+    result.n_kept      = dealii::Utilities::MPI::sum(n_kept, communicator);
+    if (result.n_followers == 0)
+      return result;
+
+    for (const Exchange &field : fields)
+      field.update_ghost_values();
+    const unsigned int n_known =
+      grid.nodes()->locally_owned_size() + grid.nodes()->n_ghost_indices();
+    for (unsigned int node = 0; node < n_known; ++node)
+      if (fields[0].local_element(node) > 0.)
+        result.followers.push_back(make_follower<dim>(fields, node, grid));
+    for (const Follower<dim> &follower : result.followers)
+      {
+        result.farthest_root =
+          std::max(result.farthest_root, follower.distance);
+        for (const double weight : follower.weights)
+          result.largest_weight =
+            std::max(result.largest_weight, std::abs(weight));
+      }
+    result.farthest_root =
+      dealii::Utilities::MPI::max(result.farthest_root, communicator);
+    result.largest_weight =
+      dealii::Utilities::MPI::max(result.largest_weight, communicator);
+    return result;
+  }
+
+  template struct Follower<2>;
+  template struct Follower<3>;
+  template struct Aggregates<2>;
+  template struct Aggregates<3>;
+  template class Aggregation<2>;
+  template class Aggregation<3>;
+} // namespace emmy

@@ -1,0 +1,269 @@
+#include <deal.II/grid/grid_tools.h>
+
+#include <emmy/transfer/aggregation.h>
+#include <emmy/transfer/group_cells.h>
+#include <emmy/transfer/roots.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <tuple>
+
+namespace emmy
+{
+  namespace
+  {
+    using dealii::types::global_dof_index;
+
+    template <int dim>
+    using Lattice = typename BackgroundGrid<dim>::Lattice;
+
+    /** The active cells that this rank owns, whoever's points make them so. */
+    template <int dim>
+    std::set<CellOfBody<dim>>
+    owned_active_cells(const Stencils<dim>       &stencils,
+                       const BackgroundGrid<dim> &grid)
+    {
+      std::set<CellOfBody<dim>> found, owned;
+      for (const auto &group : stencils.groups)
+        for_each_cell(stencils, group, grid, [&](const Lattice<dim> &cell) {
+          found.insert({group.body, cell});
+        });
+      std::map<unsigned int, std::vector<CellOfBody<dim>>> of_others;
+      for (const auto &entry : found)
+        {
+          const auto cell = grid.cell_at(entry.second);
+          if (cell->is_locally_owned())
+            owned.insert(entry);
+          else
+            of_others[cell->subdomain_id()].push_back(entry);
+        }
+      for (const auto &[sender, entries] :
+           dealii::Utilities::MPI::some_to_some(grid.communicator(), of_others))
+        {
+          (void)sender;
+          owned.insert(entries.begin(), entries.end());
+        }
+      return owned;
+    }
+
+    /** Tell the ranks beside this one of the roots of its cells. Collective. */
+    template <int dim>
+    void
+    exchange(const BackgroundGrid<dim> &grid,
+             const unsigned int         n_bodies,
+             Roots<dim>                &roots)
+    {
+      if (dealii::Utilities::MPI::n_mpi_processes(grid.communicator()) == 1)
+        return;
+      using Cell = typename BackgroundGrid<dim>::Cell;
+      // body, layer, cell and ids
+      using Entry = std::array<global_dof_index,
+                               2 + dim + BackgroundGrid<dim>::nodes_per_cell>;
+      using Data  = std::vector<Entry>;
+      dealii::GridTools::exchange_cell_data_to_ghosts<Data>(
+        grid.triangulation(),
+        [&](const Cell &cell) {
+          Data       data;
+          const auto lattice = grid.lattice(cell->center());
+          for (unsigned int body = 0; body < n_bodies; ++body)
+            if (const auto found = roots.find({body, lattice});
+                found != roots.end())
+              {
+                const Root<dim> &root = found->second;
+                Entry            entry{{body, root.layer}};
+                std::copy(root.cell.begin(),
+                          root.cell.end(),
+                          entry.begin() + 2);
+                std::copy(root.ids.begin(),
+                          root.ids.end(),
+                          entry.begin() + 2 + dim);
+                data.push_back(entry);
+              }
+          return data;
+        },
+        [&](const Cell &cell, const Data &data) {
+          const auto lattice = grid.lattice(cell->center());
+          for (const Entry &entry : data)
+            {
+              Root<dim> root;
+              root.layer = entry[1];
+              std::copy_n(entry.begin() + 2, dim, root.cell.begin());
+              std::copy_n(entry.begin() + 2 + dim,
+                          BackgroundGrid<dim>::nodes_per_cell,
+                          root.ids.begin());
+              roots[{static_cast<unsigned int>(entry[0]), lattice}] = root;
+            }
+        });
+    }
+
+    /** Call function(CellOfBody) for the cells of a box, within the grid. */
+    template <int dim, class Function>
+    void
+    for_each_cell_in(const std::array<int, dim> &first,
+                     const int                   n,
+                     const unsigned int          body,
+                     const BackgroundGrid<dim>  &grid,
+                     const Function             &function)
+    {
+      for (int i = 0; i < dealii::Utilities::pow(n, dim); ++i)
+        {
+          CellOfBody<dim> cell;
+          cell.first   = body;
+          bool is_cell = true;
+          for (int d = 0, rest = i; d < dim; ++d, rest /= n)
+            {
+              const int place = first[d] + rest % n;
+              is_cell = is_cell && place >= 0 && place < int(grid.n_cells()[d]);
+              cell.second[d] = place;
+            }
+          if (is_cell)
+            function(cell);
+        }
+    }
+
+    /**
+     * What is small for the root to be preferred: its layer, its distance from
+     * a place in half cells, its place in the lattice.
+     */
+    template <int dim>
+    std::tuple<unsigned int, long, Lattice<dim>>
+    rank_of(const Root<dim>            &root,
+            const std::array<int, dim> &place,
+            const BackgroundGrid<dim>  &grid)
+    {
+      const double h      = grid.smallest_cell_size();
+      double       square = 0.;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          const int    half_cells = 2 * int(root.cell[d]) + 1 - place[d];
+          const double distance   = half_cells * grid.cell_size()[d] / h;
+          square += distance * distance;
+        }
+      return {root.layer, std::lround(square / tie), root.cell};
+    }
+
+    /** Layer by layer, cells without a root take one from a neighbour. */
+    template <int dim>
+    void
+    spread(const std::set<CellOfBody<dim>> &owned,
+           const unsigned int               n_bodies,
+           const BackgroundGrid<dim>       &grid,
+           Roots<dim>                      &roots)
+    {
+      exchange(grid, n_bodies, roots);
+      for (unsigned int i = 0; i < Aggregation<dim>::farthest_layer; ++i)
+        {
+          Roots<dim> found;
+          for (const CellOfBody<dim> &cell : owned)
+            {
+              if (roots.find(cell) != roots.end())
+                continue;
+              std::array<int, dim> first, centre;
+              for (unsigned int d = 0; d < dim; ++d)
+                {
+                  first[d]  = int(cell.second[d]) - 1;
+                  centre[d] = 2 * int(cell.second[d]) + 1;
+                }
+              const Root<dim> *root =
+                preferred<dim>(roots, first, 3, cell.first, centre, grid);
+              if (root && root->layer < Aggregation<dim>::farthest_layer)
+                found[cell] = {root->layer + 1, root->cell, root->ids};
+            }
+          roots.insert(found.begin(), found.end());
+          exchange(grid, n_bodies, roots);
+        }
+    }
+  } // namespace
+
+  template <int dim>
+  const Root<dim> *
+  preferred(const Roots<dim>           &roots,
+            const std::array<int, dim> &first,
+            const int                   n,
+            const unsigned int          body,
+            const std::array<int, dim> &place,
+            const BackgroundGrid<dim>  &grid)
+  {
+    const Root<dim> *best = nullptr;
+    for_each_cell_in<dim>(
+      first, n, body, grid, [&](const CellOfBody<dim> &cell) {
+        const auto found = roots.find(cell);
+        if (found != roots.end() &&
+            (!best || rank_of<dim>(found->second, place, grid) <
+                        rank_of<dim>(*best, place, grid)))
+          best = &found->second;
+      });
+    return best;
+  }
+
+  template <int dim>
+  Roots<dim>
+  find_roots(const Stencils<dim>       &stencils,
+             const double               threshold,
+             const BackgroundGrid<dim> &grid,
+             Feeding                   &nodes)
+  {
+    const auto owned = owned_active_cells(stencils, grid);
+    Roots<dim> roots;
+    for (double bar = threshold;;)
+      {
+        // the least part of the nodes of a cell, if it has no root yet
+        std::map<CellOfBody<dim>, double> parts;
+        double                            best = -1.;
+        for (const CellOfBody<dim> &cell : owned)
+          if (roots.find(cell) == roots.end())
+            {
+              double part = std::numeric_limits<double>::max();
+              for (const auto id : grid.node_ids(grid.cell_at(cell.second)))
+                part = std::min<double>(part, nodes.part(id));
+              parts[cell] = part;
+              best        = std::max(best, part);
+            }
+        best = dealii::Utilities::MPI::max(best, grid.communicator());
+        if (best < 0.)
+          break;
+        // the next bar that some cell reaches; at last, all do
+        while (bar > 0. && !reaches(best, bar))
+          bar = bar > 1e-12 * threshold ? 0.5 * bar : 0.;
+
+        for (const auto &[cell, part] : parts)
+          if (reaches(part, bar))
+            {
+              const auto ids = grid.node_ids(grid.cell_at(cell.second));
+              roots[cell]    = {0, cell.second, ids};
+              for (const auto id : ids)
+                nodes.is_free(id) = 1.;
+            }
+        spread(owned, nodes.n_bodies, grid, roots);
+      }
+    nodes.is_free.compress(dealii::VectorOperation::max);
+    return roots;
+  }
+
+  template Roots<2>
+  find_roots<2>(const Stencils<2> &,
+                const double,
+                const BackgroundGrid<2> &,
+                Feeding &);
+  template Roots<3>
+  find_roots<3>(const Stencils<3> &,
+                const double,
+                const BackgroundGrid<3> &,
+                Feeding &);
+  template const Root<2> *
+  preferred<2>(const Roots<2> &,
+               const std::array<int, 2> &,
+               const int,
+               const unsigned int,
+               const std::array<int, 2> &,
+               const BackgroundGrid<2> &);
+  template const Root<3> *
+  preferred<3>(const Roots<3> &,
+               const std::array<int, 3> &,
+               const int,
+               const unsigned int,
+               const std::array<int, 3> &,
+               const BackgroundGrid<3> &);
+} // namespace emmy

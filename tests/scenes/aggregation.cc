@@ -1,0 +1,150 @@
+// Whole runs with the effect "aggregation", 4 points per cell where the paper
+// takes 64 and 1225: examples 7.3B and 7.2 on its grid lose no energy and no
+// momentum, and Newton has no hard step. Several ranks agree with one.
+
+#include "../scene.h"
+
+using namespace emmy;
+
+namespace
+{
+  ParameterFile
+  example(const std::string &folder, const std::string &name)
+  {
+    ParameterFile file(folder + "/paper/" + name);
+    file.set("Grid/Cells=40, 24");
+    file.set("Bodies/left/Points per direction=2");
+    file.set("Bodies/right/Points per direction=2");
+    file.set("Time/Step rule=fixed");
+    file.set("Time/Step size=0.0602");
+    file.set("Effects/Names=aggregation");
+    // what Newton leaves must not hide what aggregation might lose
+    file.set("Solver/Newton tolerance=1e-15");
+    return file;
+  }
+
+  double
+  value(const Ledger &ledger, const std::string &column)
+  {
+    const auto &names = ledger.columns();
+    return std::find(names.begin(), names.end(), column) == names.end()
+             ? 0.
+             : ledger[column];
+  }
+
+  void
+  check_example(const std::string &folder, const std::string &name)
+  {
+    std::cout << name << '\n';
+    const SceneParameters<2> parameters(example(folder, name));
+    test::RunningScene<2>    run(parameters, MPI_COMM_SELF);
+    const double             mass = test::total_mass(run.scene),
+                 start_energy     = run.ledger.total_energy();
+    const double momentum         = mass * std::sqrt(2. * start_energy / mass);
+    double       drift            = 0.;
+    while (run.ledger["time"] < 8.)
+      {
+        run.advance(1);
+        drift = std::max(drift,
+                         std::abs(run.ledger.total_energy() +
+                                  value(run.ledger, "plastic_dissipation") -
+                                  start_energy));
+      }
+    const auto change = [&run](const std::string &column) {
+      auto         values = run.column(column);
+      const double start  = values[0];
+      for (double &x : values)
+        x -= start;
+      return test::largest(values);
+    };
+    test::check(run.ledger["step"] == 133, name + ": no step is halved");
+    test::at_most("drift of the energy", drift / start_energy, 1e-11);
+    test::at_most("change of linear momentum / (m v), x",
+                  change("linear_momentum_x") / momentum,
+                  1e-11);
+    test::at_most("change of linear momentum / (m v), y",
+                  change("linear_momentum_y") / momentum,
+                  1e-11);
+    test::at_most("change of angular momentum, relative",
+                  change("angular_momentum_z") /
+                    std::abs(run.column("angular_momentum_z")[0]),
+                  1e-11);
+    test::at_most("Newton iterations of a step",
+                  test::largest(run.column("newton_iterations")),
+                  6);
+    test::at_most("largest weight",
+                  test::largest(run.column("largest_weight")),
+                  4);
+    test::check(test::largest(run.column("followers")) > 40,
+                name + ": nodes follow");
+    test::check(test::largest(run.column("free_starved")) == 0.,
+                name + ": every starved node has a root");
+  }
+
+  template <int dim>
+  void
+  compare(const ParameterFile &file,
+          const unsigned int   n_steps,
+          const std::string   &name)
+  {
+    if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+      std::cout << name << '\n';
+    const SceneParameters<dim> parameters(file);
+    test::RunningScene<dim>    one_rank(parameters, MPI_COMM_SELF);
+    one_rank.advance(n_steps);
+    test::RunningScene<dim> all_ranks(parameters, MPI_COMM_WORLD);
+    all_ranks.advance(n_steps);
+    test::check_same_ledgers(one_rank,
+                             all_ranks,
+                             {"time",
+                              "kinetic_energy",
+                              "kinetic_energy_grid_new",
+                              "strain_energy",
+                              "angular_momentum_z",
+                              "active_dofs",
+                              "followers",
+                              "largest_weight"});
+  }
+
+  void
+  check_ranks(const std::string &folder)
+  {
+    compare<2>(example(folder, "7.3b.prm"), 50, "7.3b");
+    compare<2>(example(folder, "7.2.prm"), 50, "7.2");
+    for (const char *shape_functions : {"linear", "GIMP"})
+      {
+        // a wall that moves, and a body that leaves it
+        ParameterFile file =
+          ParameterFile::from_text(test::collision_text(2), "test");
+        file.set(std::string("Method/Shape functions=") + shape_functions);
+        file.set("Boundary conditions/Fixed=y-min");
+        file.set("Boundary conditions/Velocity of y-min=0.2; 0.1*sin(t)");
+        file.set("Bodies/left/ball/Center=1.9, 0.9");
+        file.set("Effects/Names=aggregation");
+        compare<2>(file, 20, std::string("wall, ") + shape_functions);
+
+        ParameterFile balls(folder + "/validation/two-balls.prm");
+        balls.set(std::string("Method/Shape functions=") + shape_functions);
+        balls.set("Bodies/left/Points per direction=2");
+        balls.set("Bodies/right/Points per direction=2");
+        balls.set("Effects/Names=aggregation");
+        balls.set("Solver/Newton tolerance=1e-15");
+        compare<3>(balls, 15, std::string("two balls, ") + shape_functions);
+      }
+  }
+} // namespace
+
+int
+main(int argc, char *argv[])
+{
+  dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  const std::string                        folder = argv[1];
+  if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) == 1)
+    {
+      check_example(folder, "7.3b.prm");
+      check_example(folder, "7.2.prm");
+    }
+  else
+    check_ranks(folder);
+  return test::report();
+}

@@ -1,0 +1,286 @@
+// Starved nodes and their roots: who follows whom in a block, in a sliver
+// beside it, in a lone particle, in a strip and across a gap between two
+// bodies; in random clouds of few points the choice does not depend on the
+// ranks, followers reproduce affine fields, and forces that are handed over do
+// the same work.
+
+#include <map>
+
+#include "../check.h"
+#include "../step/cloud.h"
+
+using namespace emmy;
+
+namespace
+{
+  template <int dim>
+  using Lattice = typename BackgroundGrid<dim>::Lattice;
+
+  /** A node, counted in cells, and its root. */
+  template <int dim>
+  using Choice = std::map<Lattice<dim>, Lattice<dim>>;
+
+  /** Points at the centres of a subdivision of each cell, as bodies fill. */
+  template <int dim>
+  struct Filling
+  {
+    GridParameters<dim>                     parameters;
+    std::unique_ptr<BackgroundGrid<dim>>    grid;
+    FieldLayout                             layout = basic_fields(dim);
+    dealii::Particles::ParticleHandler<dim> particles;
+    unsigned int                            n_points = 0;
+
+    /** A grid of unit cells. */
+    explicit Filling(const std::vector<unsigned int> &cells)
+    {
+      dealii::ParameterAcceptor::clear();
+      parameters.cells = cells;
+      for (unsigned int d = 0; d < dim; ++d)
+        parameters.upper_corner[d] = cells[d];
+      grid = std::make_unique<BackgroundGrid<dim>>(parameters, MPI_COMM_WORLD);
+      particles.initialize(grid->triangulation(),
+                           grid->mapping(),
+                           layout.n_components());
+    }
+
+    /** Fill what of the grid's cells is inside a box, n points a direction. */
+    void
+    fill(const dealii::Point<dim> &lower,
+         const dealii::Point<dim> &upper,
+         const unsigned int        n,
+         const unsigned int        body = 0)
+    {
+      std::vector<double> values         = layout.initial_values();
+      values[layout["body"]]             = body;
+      values[layout["mass"]]             = 7. / std::pow(n, dim);
+      values[layout["reference_volume"]] = 1. / std::pow(n, dim);
+      for (const auto &cell : grid->triangulation().active_cell_iterators())
+        if (cell->is_locally_owned())
+          for (unsigned int i = 0; i < std::pow(n, dim); ++i)
+            {
+              dealii::Point<dim> unit;
+              for (unsigned int d = 0, rest = i; d < dim; ++d, rest /= n)
+                unit[d] = (rest % n + 0.5) / n;
+              const dealii::Point<dim> x         = cell->vertex(0) + unit;
+              bool                     is_inside = true;
+              for (unsigned int d = 0; d < dim; ++d)
+                is_inside = is_inside && lower[d] < x[d] && x[d] < upper[d];
+              if (is_inside)
+                particles.insert_particle(x,
+                                          unit,
+                                          n_points++,
+                                          cell,
+                                          dealii::ArrayView<const double>(
+                                            values.data(), values.size()));
+            }
+      particles.update_cached_numbers();
+    }
+  };
+
+  template <int dim>
+  Lattice<dim>
+  lattice_of(const dealii::Point<dim> &x, const BackgroundGrid<dim> &grid)
+  {
+    Lattice<dim> result;
+    for (unsigned int d = 0; d < dim; ++d)
+      result[d] =
+        std::lround((x[d] - grid.lower_corner()[d]) / grid.cell_size()[d]);
+    return result;
+  }
+
+  template <int dim>
+  Aggregates<dim>
+  aggregate(const Filling<dim> &filling, const double threshold)
+  {
+    const auto stencils = LinearShapeFunctions<dim>(filling.layout["body"])
+                            .evaluate(filling.particles, *filling.grid);
+    const auto points = gather(stencils, filling.layout);
+    return Aggregation<dim>(threshold,
+                            filling.layout["mass"],
+                            filling.layout["reference_volume"])(stencils,
+                                                                points,
+                                                                *filling.grid);
+  }
+
+  /** The choices of all ranks. */
+  template <int dim>
+  Choice<dim>
+  choices(const Aggregates<dim> &aggregates, const BackgroundGrid<dim> &grid)
+  {
+    std::vector<std::array<unsigned int, 2 * dim>> mine;
+    for (const Follower<dim> &follower : aggregates.followers)
+      if (grid.nodes()->in_local_range(follower.node_id))
+        {
+          const auto node =
+            lattice_of<dim>(grid.node_position(follower.node_id), grid);
+          mine.emplace_back();
+          std::copy(node.begin(), node.end(), mine.back().begin());
+          std::copy(follower.root.begin(),
+                    follower.root.end(),
+                    mine.back().begin() + dim);
+        }
+    Choice<dim> all;
+    for (const auto &part :
+         dealii::Utilities::MPI::all_gather(grid.communicator(), mine))
+      for (const auto &entry : part)
+        {
+          Lattice<dim> node, root;
+          std::copy_n(entry.begin(), dim, node.begin());
+          std::copy_n(entry.begin() + dim, dim, root.begin());
+          all[node] = root;
+        }
+    return all;
+  }
+
+  void
+  check_known_cases()
+  {
+    using Point = dealii::Point<2>;
+    {
+      Filling<2> block({6, 4});
+      block.fill(Point(1, 1), Point(4, 3), 2);
+      const auto found = aggregate(block, 0.2);
+      test::check(found.n_followers == 0 && found.n_kept == 0,
+                  "full cells: no node starves, corners have a quarter");
+      test::check(aggregate(block, 0.25).n_followers == 0,
+                  "a node exactly at the threshold is fed");
+      test::check(aggregate(block, 0.26).n_followers == 4,
+                  "above a quarter the four corners follow");
+    }
+    {
+      // a quarter of a cell's width more: the outer nodes have 1/32 or less
+      Filling<2> sliver({6, 4});
+      sliver.fill(Point(1, 1), Point(3.3, 3), 4);
+      const auto found = aggregate(sliver, 0.2);
+      const auto roots = choices(found, *sliver.grid);
+      test::check(found.n_followers == 3 && found.n_kept == 0 &&
+                    found.farthest_root == 1 && found.largest_weight == 2.,
+                  "a sliver: " + found.text());
+      test::check(roots.count({{4, 2}}) && roots.at({{4, 1}})[0] == 2u &&
+                    roots.at({{4, 1}})[1] == 1u &&
+                    roots.at({{4, 3}}) == Lattice<2>({{2, 2}}),
+                  "a sliver follows the cells beside it");
+      test::check(roots.at({{4, 2}}) == Lattice<2>({{2, 1}}),
+                  "a tie goes to the first in the lattice");
+    }
+    {
+      // half a cell at a side of the grid is as full as elsewhere
+      Filling<2> side({6, 4});
+      side.fill(Point(0, 0), Point(3, 4), 2);
+      test::check(aggregate(side, 0.45).n_followers == 0,
+                  "at a side of the grid full is half of h^dim");
+    }
+    {
+      Filling<2> lone({6, 4});
+      lone.fill(Point(1, 1), Point(4, 3), 2);
+      lone.fill(Point(5, 3), Point(5.5, 3.5), 2);
+      const auto found = aggregate(lone, 0.2);
+      test::check(found.n_followers == 0 && found.n_kept == 4,
+                  "a lone particle is its own root");
+    }
+    {
+      // no cell has four fed nodes: those of both ends follow, all else is free
+      Filling<2> strip({12, 4});
+      strip.fill(Point(1, 1), Point(11, 1.25), 4);
+      const auto found = aggregate(strip, 0.2);
+      test::check(found.n_followers == 4 && found.n_kept == 9,
+                  "a thin strip is not made rigid: " + found.text());
+    }
+    {
+      // bodies that share a column of nodes: the left one's sliver follows the
+      // left one, though the right one's root is as near
+      Filling<2> gap({8, 4});
+      gap.fill(Point(1, 1), Point(3.3, 3), 4, 0);
+      gap.fill(Point(4.9, 1), Point(7, 3), 8, 1);
+      const auto roots = choices(aggregate(gap, 0.2), *gap.grid);
+      test::check(!roots.empty(), "nodes between two bodies starve");
+      for (const auto &[node, root] : roots)
+        test::check(root[0] == 2u || root[0] == 5u,
+                    "roots are full cells of the bodies");
+      test::check(roots.at({{4, 2}})[0] == 2u,
+                  "a node follows the body that feeds it most");
+    }
+  }
+
+  template <int dim>
+  void
+  check_cloud(const test::CloudOptions &options, const std::string &what)
+  {
+    // search on one rank, and on all
+    const auto search = [&](const test::Cloud<dim> &cloud) {
+      const auto stencils =
+        cloud.shape_functions->evaluate(cloud.particles, *cloud.grid);
+      const auto points = gather(stencils, cloud.layout);
+      return (*cloud.balance->aggregation())(stencils, points, *cloud.grid);
+    };
+    const test::Cloud<dim> alone(options, MPI_COMM_SELF), cloud(options);
+    const auto             expected = search(alone), found = search(cloud);
+    const auto             roots = choices(found, *cloud.grid);
+    test::check(roots == choices(expected, *alone.grid) &&
+                  roots.size() == found.n_followers &&
+                  found.n_kept == expected.n_kept &&
+                  found.largest_weight == expected.largest_weight,
+                what + ": the same choice on one rank");
+    test::check(found.n_followers > 0, what + ": nodes follow");
+
+    // constraints that reach across ranks
+    const auto stencils =
+      cloud.shape_functions->evaluate(cloud.particles, *cloud.grid);
+    const ActiveGrid<dim> active(
+      stencils, {}, found, *cloud.grid, *cloud.boundary_conditions);
+    const Constraints &constraints = active.constraints();
+    Vector             affine = active.make_vector(), force = affine;
+    auto               value = affine.begin(), f = force.begin();
+    for (unsigned int node = 0; node < active.n_owned_nodes(); ++node)
+      for (unsigned int c = 0; c < dim; ++c, ++value, ++f)
+        {
+          *value = 0.3 + c;
+          for (unsigned int d = 0; d < dim; ++d)
+            *value += (1.2 * c - 0.7 * d) * active.position(node)[d];
+          *f = std::sin(active.position(node).square() * (7. + c));
+        }
+    Vector again = affine;
+    constraints.set_zero(again);
+    constraints.expand(again);
+    again -= affine;
+    test::check_close(again.linfty_norm(),
+                      0.,
+                      1e-13 * affine.linfty_norm(),
+                      what + ": an affine field follows itself");
+    const double work = force * affine, scale = force.l1_norm();
+    constraints.condense(force);
+    test::check_close(force * affine,
+                      work,
+                      1e-13 * scale * affine.linfty_norm(),
+                      what + ": forces that are handed over do the same work");
+  }
+
+  template <int dim>
+  void
+  check_clouds()
+  {
+    for (const bool gimp : {false, true})
+      for (unsigned int seed = 1; seed <= 20; ++seed)
+        {
+          test::CloudOptions options;
+          options.n_points    = (1 + seed % 4) * (dim == 2 ? 12 : 36);
+          options.seed        = seed;
+          options.gimp        = gimp;
+          options.aggregation = 0.45;
+          check_cloud<dim>(options,
+                           std::to_string(dim) + "D, " +
+                             (gimp ? "GIMP" : "MPM") + ", cloud " +
+                             std::to_string(seed));
+        }
+  }
+} // namespace
+
+int
+main(int argc, char *argv[])
+{
+  dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  check_known_cases();
+  check_clouds<2>();
+  check_clouds<3>();
+  return test::report();
+}
