@@ -159,8 +159,15 @@ namespace
         << largest(run.column("newton_iterations")) << " | "
         << std::setprecision(4) << seconds << " |\n"
         << std::flush;
-    out << "\n| time, µs | radius, mm | reference | length, mm | reference |\n"
-           "|---|---|---|---|---|\n";
+    out << "at the end, % of the initial energy:" << std::setprecision(3);
+    for (const char *const column : {"kinetic_energy",
+                                     "strain_energy",
+                                     "hardening_energy",
+                                     "plastic_dissipation"})
+      out << ' ' << column << ' ' << 100. * ledger[column] / initial;
+    out
+      << "\n\n| time, µs | radius, mm | reference | length, mm | reference |\n"
+         "|---|---|---|---|---|\n";
     for (unsigned int i = 0; i < measures.size(); ++i)
       out << "| " << std::setprecision(4) << 1e6 * history[i].time << " | "
           << measures[i].radius << " | " << history[i].radius << " | "

@@ -122,9 +122,13 @@ namespace emmy
 
         result.energy         = test::largest(kept);
         const double energy   = result.energy > 0. ? result.energy : 1.;
+        result.times          = column(ledger, "time");
+        result.followers      = column(ledger, "followers");
+        result.kinetic        = column(ledger, "kinetic_energy");
         result.strain         = column(ledger, "strain_energy");
         result.balance_errors = column(ledger, "balance_error");
-        for (auto *const values : {&result.strain, &result.balance_errors})
+        for (auto *const values :
+             {&result.kinetic, &result.strain, &result.balance_errors})
           for (double &value : *values)
             value /= energy;
         result.final_energy  = kept.back();
@@ -150,14 +154,23 @@ namespace emmy
       }
 
       template <int dim>
-      Result
-      run_scene(const std::string &folder, const Run<dim> &run)
+      std::vector<double>
+      positions(const Scene<dim> &scene)
       {
-        ParameterFile file(folder + "/prm/" + run.file);
-        for (const std::string &setting : run.settings)
-          file.set(setting);
-        if (run.with_conditions)
-          file.set("Diagnosis/Small cuts=true");
+        std::map<dealii::types::particle_index, dealii::Point<dim>> by_number;
+        for (const auto &particle : scene.particles)
+          by_number[particle.get_id()] = particle.get_location();
+        std::vector<double> result;
+        for (const auto &entry : by_number)
+          for (unsigned int d = 0; d < dim; ++d)
+            result.push_back(entry.second[d]);
+        return result;
+      }
+
+      template <int dim>
+      Result
+      run_file(const ParameterFile &file, const Run<dim> &run)
+      {
         const SceneParameters<dim> parameters(file);
         Scene<dim>                 scene(parameters, MPI_COMM_SELF);
         if (run.prepare)
@@ -172,6 +185,26 @@ namespace emmy
                            std::chrono::steady_clock::now() - start)
                            .count();
         evaluate(ledger, scale, result);
+        result.positions = positions(scene);
+        return result;
+      }
+
+      template <int dim>
+      Result
+      run_scene(const std::string &folder, const Run<dim> &run)
+      {
+        ParameterFile file(folder + "/prm/" + run.file);
+        for (const std::string &setting : run.settings)
+          file.set(setting);
+        Result result = run_file(file, run);
+        if (run.with_conditions)
+          {
+            // apart, as it takes its time
+            file.set("Diagnosis/Small cuts=true");
+            const Result diagnosed    = run_file(file, run);
+            result.mass_condition     = diagnosed.mass_condition;
+            result.jacobian_condition = diagnosed.jacobian_condition;
+          }
         return result;
       }
 
@@ -249,16 +282,22 @@ namespace emmy
     }
 
     template <int dim>
+    Result
+    Suite::measure(const std::string &variant, const Run<dim> &run)
+    {
+      const Result result = run_scene(source_folder, run);
+      check_result(variant, run.is_stabilised, result);
+      return result;
+    }
+
+    template <int dim>
     std::vector<Result>
     Suite::run_all(const std::string           &variant,
                    const std::vector<Run<dim>> &runs)
     {
       std::vector<Result> results;
       for (const Run<dim> &run : runs)
-        {
-          results.push_back(run_scene(source_folder, run));
-          check_result(variant, run.is_stabilised, results.back());
-        }
+        results.push_back(measure(variant, run));
       add_row(variant, results);
       return results;
     }
@@ -328,13 +367,17 @@ namespace emmy
 
     void
     check_stable(Suite             &suite,
+                 const Remedy      &remedy,
                  const Result      &result,
                  const unsigned int most_iterations,
                  const double       most_lost)
     {
       suite.at_least("runs to the end", result.has_ended, 1);
       suite.at_most("iterations", result.most_iterations, most_iterations);
-      suite.at_most("ghost losses, of the energy", result.lost, most_lost);
+      suite.at_most("ghost losses, of the energy",
+                    result.lost,
+                    remedy.name.find("ghost") != std::string::npos ? most_lost
+                                                                   : 0.);
     }
 
     void
@@ -354,7 +397,7 @@ namespace emmy
     }
 
     void
-    Suite::curve(const unsigned int        panel,
+    Suite::curve(const Panel               panel,
                  const std::string        &name,
                  const std::vector<Point> &points)
     {
@@ -386,6 +429,11 @@ namespace emmy
            "% of the energy in the paper's examples; with the default penalty "
            "and grids as coarse as here 5 to 50 %, and a free vibration dies "
            "|\n"
+           "| the same | aggregation | no energy and no momentum; with 2 x 2 "
+           "points and linear functions bodies that part keep up to 20 % of "
+           "the energy as strain, with GIMP 2 % (*Nothing, more points, "
+           "ghosts, aggregation*); results jump a little when a node begins or "
+           "ceases to follow |\n"
            "| steps that are large against the time of a wave through a cell "
            "| nothing is unstable; take smaller ones where the motion matters "
            "| the energy balances at any step, but an impact is resolved with "
@@ -396,27 +444,56 @@ namespace emmy
            "![Condition of the mass matrix as a tip enters a cell, and balance "
            "error over the steps](pictures/stability.png)\n"
         << page;
+      draw(folder + "/pictures", "stability");
+      draw(folder + "/pictures", "remedies");
+    }
 
-      const std::string pictures = folder + "/pictures";
-      std::ofstream     script(pictures + "/stability.gp");
-      gnuplot::Canvas   canvas;
+    void
+    Suite::draw(const std::string &folder, const std::string &picture) const
+    {
+      struct Axes
+      {
+        Panel       panel;
+        const char *picture, *commands, *style;
+      };
+      const char *const energies =
+        "set xlabel 'time, s'\nset ylabel 'energy / initial energy'\n"
+        "set yrange [0:1.05]\n";
+      const std::string elastic =
+                          std::string("set title '7.2, linear'\n") + energies,
+                        plastic =
+                          std::string("set title '7.3B, GIMP'\n") + energies;
+      const Axes all_axes[] = {
+        {Panel::tip,
+         "stability",
+         "set logscale xy\nset format '10^{%T}'\n"
+         "set title 'A tip enters a cell'\n"
+         "set xlabel 'offset / h'\nset ylabel 'condition of scaled mass'\n"
+         "set yrange [1:1e17]\n",
+         "linespoints pt 7"},
+        {Panel::steps,
+         "stability",
+         "set logscale xy\nset format '10^{%T}'\n"
+         "set title '10,000 steps'\n"
+         "set xlabel 'step'\nset ylabel '|balance error| / energy'\n"
+         "set yrange [1e-18:1e-12]\n",
+         "lines"},
+        {Panel::elastic, "remedies", elastic.c_str(), "lines"},
+        {Panel::plastic, "remedies", plastic.c_str(), "lines"}};
+
+      std::ofstream   script(folder + "/" + picture + ".gp");
+      gnuplot::Canvas canvas;
       canvas.height = 900.;
-      gnuplot::write_preamble(script, "stability", canvas);
-      script << "set multiplot layout 1,2\nset logscale xy\n"
-                "set format '10^{%T}'\nset key outside below maxrows 2\n"
+      gnuplot::write_preamble(script, picture, canvas);
+      script << "set multiplot layout 1,2\nset key outside below maxrows 3\n"
                 "set grid lc rgb '#dddddd'\n";
-      const char *const titles[] = {
-        "set title 'A tip enters a cell'\n"
-        "set xlabel 'offset / h'\nset ylabel 'condition of scaled mass'\n"
-        "set yrange [1:1e17]\n",
-        "set title '10,000 steps'\n"
-        "set xlabel 'step'\nset ylabel '|balance error| / energy'\n"
-        "set yrange [1e-18:1e-12]\n"};
-      for (unsigned int panel = 0; panel < 2; ++panel)
+      for (const Axes &axes : all_axes)
         {
+          if (axes.picture != picture)
+            continue;
           std::string plots;
           for (const Curve &curve : curves)
-            if (curve.panel == panel)
+            if (curve.panel == axes.panel)
               {
                 const std::string block =
                   "$curve" + std::to_string(&curve - curves.data());
@@ -425,26 +502,28 @@ namespace emmy
                   script << point.first << ' ' << point.second << '\n';
                 script << "EOD\n";
                 plots += (plots.empty() ? "plot " : ", ") + block + " with " +
-                         (panel == 0 ? "linespoints pt 7" : "lines") +
-                         " lw 3 title " + gnuplot::quoted(curve.name);
+                         axes.style + " lw 3 title " +
+                         gnuplot::quoted(curve.name);
               }
-          script << titles[panel] << plots << "\n";
+          script << axes.commands << plots << "\n";
         }
       script << "unset multiplot\n";
       script.close();
-      AssertThrow(gnuplot::run(pictures, "stability") ==
-                    gnuplot::Outcome::drawn,
+      AssertThrow(gnuplot::run(folder, picture) == gnuplot::Outcome::drawn,
                   ExcRun("Stability",
-                         "the picture could not be drawn in " + pictures,
+                         "the picture could not be drawn in " + folder,
                          "install gnuplot, and see gnuplot.log there."));
-      for (const char *const name : {"stability.gp", "gnuplot.log"})
-        std::remove((pictures + "/" + name).c_str());
+      for (const std::string &name :
+           {picture + ".gp", std::string("gnuplot.log")})
+        std::remove((folder + "/" + name).c_str());
     }
 
     template Result
     Suite::run<2>(const std::string &, const Run<2> &);
     template Result
     Suite::run<3>(const std::string &, const Run<3> &);
+    template Result
+    Suite::measure<2>(const std::string &, const Run<2> &);
     template std::vector<Result>
     Suite::run_all<2>(const std::string &, const std::vector<Run<2>> &);
     template std::vector<Result>
@@ -458,9 +537,9 @@ main(int argc, char *argv[])
   using namespace emmy;
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   const std::vector<std::string>           arguments(argv + 1, argv + argc);
-  auto                                     all    = stability::small_cuts();
-  const auto                               others = stability::hard_motions();
-  all.insert(all.end(), others.begin(), others.end());
+  auto                                     all = stability::small_cuts();
+  for (const auto &others : {stability::remedies(), stability::hard_motions()})
+    all.insert(all.end(), others.begin(), others.end());
   const std::string name = arguments.empty() ? "" : arguments[0];
 
   stability::Suite suite(EMMY_SOURCE_DIR);

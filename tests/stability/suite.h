@@ -29,8 +29,12 @@ namespace emmy
       /** Largest change, of m v and m v times the extent of the bodies. */
       double linear_momentum = 0., angular_momentum = 0.;
       double seconds = 0.;
-      /** Strain energy of each step, of energy. */
-      std::vector<double> strain;
+      /** Kinetic and strain energy of each step, of energy; times, s. */
+      std::vector<double> kinetic, strain, times;
+      /** Nodes that follow, of each step. */
+      std::vector<double> followers;
+      /** Of all particles, at the end, by their number, m. */
+      std::vector<double> positions;
       /** Balance error of each step, relative to energy. */
       std::vector<double> balance_errors;
     };
@@ -52,7 +56,31 @@ namespace emmy
       bool is_stabilised = true;
     };
 
+    /** What is done against small cuts. */
+    struct Remedy
+    {
+      std::string              name; ///< as rows call it: ", ghosts"; or empty
+      std::vector<std::string> settings; ///< none: nothing is done
+    };
+
+    const Remedy nothing{"", {}};
+    const Remedy ghosts{", ghosts", {"Effects/Names=ghost stabilisation"}};
+    const Remedy small_ghosts{
+      ", small ghost mass",
+      {"Effects/Names=ghost stabilisation",
+       "Effects/Ghost stabilisation/Mass penalty=1e-3",
+       "Effects/Ghost stabilisation/Stiffness penalty=0"}};
+    const Remedy aggregation{", aggregation", {"Effects/Names=aggregation"}};
+
     using Point = std::pair<double, double>;
+
+    enum class Panel
+    {
+      tip,     ///< condition of the mass matrix over the offset
+      steps,   ///< balance error over the steps
+      elastic, ///< energies of example 7.2 over time
+      plastic  ///< of 7.3B
+    };
 
     /**
      * What the cases run, state and write. Holds the page that is made of it,
@@ -77,7 +105,16 @@ namespace emmy
       Result
       run(const std::string &variant, const Run<dim> &run);
 
-      /** The same for several runs in one row: the worst of each column. */
+      /** The same, without a row. */
+      template <int dim>
+      Result
+      measure(const std::string &variant, const Run<dim> &run);
+
+      /** A row for several runs: the worst of each column. */
+      void
+      add_row(const std::string &variant, const std::vector<Result> &results);
+
+      /** Run, and add one row for all. */
       template <int dim>
       std::vector<Result>
       run_all(const std::string &variant, const std::vector<Run<dim>> &runs);
@@ -88,13 +125,13 @@ namespace emmy
       void
       at_least(const std::string &what, const double value, const double bound);
 
-      /** A curve of panel @p panel of the picture. */
+      /** A curve in a panel of the pictures. */
       void
-      curve(const unsigned int        panel,
+      curve(const Panel               panel,
             const std::string        &name,
             const std::vector<Point> &points);
 
-      /** Write stability.md and pictures/stability.png to a folder. */
+      /** Write stability.md and its pictures to a folder. */
       void
       write(const std::string &folder);
 
@@ -103,17 +140,18 @@ namespace emmy
       void
       close_case();
       void
-      add_row(const std::string &variant, const std::vector<Result> &results);
-      void
       bound(const std::string &what,
             const double       value,
             const double       limit,
             const bool         holds,
             const char        *relation);
 
+      void
+      draw(const std::string &folder, const std::string &picture) const;
+
       struct Curve
       {
-        unsigned int       panel;
+        Panel              panel;
         std::string        name;
         std::vector<Point> points;
       };
@@ -131,30 +169,36 @@ namespace emmy
       void (*run)(Suite &);
     };
 
-    /** Cases that begin with a small cut, and the others. */
+    /**
+     * Cases that begin with a small cut, those that compare the remedies
+     * against it, and the others.
+     */
     std::vector<Case>
     small_cuts();
     std::vector<Case>
+    remedies();
+    std::vector<Case>
     hard_motions();
 
-    // what both use
-    const std::string ghosts = "Effects/Names=ghost stabilisation";
-    const std::string gimp   = "Method/Shape functions=GIMP";
+    // what all use
+    const std::string gimp = "Method/Shape functions=GIMP";
 
-    /** The settings, and one more if it is there. */
+    /** These settings and those. */
     inline std::vector<std::string>
-    with(std::vector<std::string> settings,
-         const std::string       &setting,
-         const bool               is_there)
+    with(std::vector<std::string>        settings,
+         const std::vector<std::string> &more)
     {
-      if (is_there)
-        settings.push_back(setting);
+      settings.insert(settings.end(), more.begin(), more.end());
       return settings;
     }
 
-    /** Bounds of a run with a remedy: to the end, iterations, losses. */
+    /**
+     * Bounds of a run with a remedy: to the end, iterations, ghost losses,
+     * which without ghosts are none.
+     */
     void
     check_stable(Suite             &suite,
+                 const Remedy      &remedy,
                  const Result      &result,
                  const unsigned int most_iterations,
                  const double       most_lost);
