@@ -3,11 +3,10 @@
 
 #include <deal.II/lac/la_parallel_vector.h>
 
-#include <emmy/particles/stencils.h>
+#include <emmy/transfer/active_cells.h>
 
 #include <array>
 #include <map>
-#include <utility>
 #include <vector>
 
 /** What Aggregation (transfer/aggregation.h) is made of: the search for roots.
@@ -50,11 +49,6 @@ namespace emmy
                BackgroundGrid<dim>::nodes_per_cell>
       ids; ///< of its nodes
   };
-
-  /** A cell as the particles of one body see it. */
-  template <int dim>
-  using CellOfBody =
-    std::pair<unsigned int, typename BackgroundGrid<dim>::Lattice>;
 
   template <int dim>
   using Roots = std::map<CellOfBody<dim>, Root<dim>>;
