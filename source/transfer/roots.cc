@@ -1,4 +1,3 @@
-#include <emmy/transfer/aggregation.h>
 #include <emmy/transfer/roots.h>
 
 #include <algorithm>
@@ -116,7 +115,7 @@ namespace emmy
            Roots<dim>                      &roots)
     {
       exchange(grid, n_bodies, roots);
-      for (unsigned int i = 0; i < Aggregation<dim>::farthest_layer; ++i)
+      for (unsigned int i = 0; i < farthest_layer; ++i)
         {
           Roots<dim> found;
           for (const CellOfBody<dim> &cell : owned)
@@ -131,7 +130,7 @@ namespace emmy
                 }
               const Root<dim> *root =
                 preferred<dim>(roots, first, 3, cell.first, centre, grid);
-              if (root && root->layer < Aggregation<dim>::farthest_layer)
+              if (root && root->layer < farthest_layer)
                 found[cell] = {root->layer + 1, root->cell, root->ids};
             }
           roots.insert(found.begin(), found.end());

@@ -13,6 +13,9 @@
  */
 namespace emmy
 {
+  /** A cell takes no root that is more layers of cells away. */
+  constexpr unsigned int farthest_layer = 2;
+
   /** Numbers this close count as equal, whatever round-off says. */
   constexpr double tie = 1e-8;
 
