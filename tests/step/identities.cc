@@ -109,17 +109,19 @@ namespace
                    {std::make_pair(0., 0.), {0.3, 0.}, {0., 0.1}})
                 for (const unsigned int n_iterations : {1u, 100u})
                   {
-                    // fewer points than nodes: M~ is singular whoever follows,
-                    // and where walls push, velocities have no digits
-                    if (points_per_cell == 1 && with_walls)
-                      continue;
                     test::CloudOptions options;
-                    options.n_points   = points_per_cell * (dim == 2 ? 12 : 36);
-                    options.seed       = 3 + points_per_cell;
-                    options.gimp       = gimp;
-                    options.plastic    = plastic;
-                    options.gravity    = true;
-                    options.ghost_mass = ghosts;
+                    options.n_points = points_per_cell * (dim == 2 ? 12 : 36);
+                    // With one point per cell M~ is singular whoever follows,
+                    // and where walls push, the terms of v.M~ v may be 1e4
+                    // times the energy (seeds 4 and 15): more than the digits
+                    // of its solution. In this one they are 240 times it.
+                    options.seed        = points_per_cell == 1 && with_walls
+                                            ? 7
+                                            : 3 + points_per_cell;
+                    options.gimp        = gimp;
+                    options.plastic     = plastic;
+                    options.gravity     = true;
+                    options.ghost_mass  = ghosts;
                     options.aggregation = 0.45;
                     if (with_walls)
                       {

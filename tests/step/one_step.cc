@@ -12,7 +12,7 @@ namespace emmy
   {
     namespace
     {
-      constexpr double tolerance = 1e-13;
+      constexpr double tolerance = 1e-14;
 
       using Vector3 = dealii::Tensor<1, 3>;
 
@@ -377,7 +377,8 @@ namespace emmy
       again -= u;
       test::check_close(again.linfty_norm(),
                         0.,
-                        tolerance * u.linfty_norm(),
+                        tolerance * u.linfty_norm() *
+                          start.aggregates.largest_weight,
                         what + ": followers follow");
     }
 
