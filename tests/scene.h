@@ -112,6 +112,24 @@ namespace emmy
         }
     }
 
+    /** The first steps of a scene, on one rank and on all: the same ledger. */
+    template <int dim>
+    void
+    compare_ranks(const ParameterFile            &file,
+                  const unsigned int              n_steps,
+                  const std::string              &name,
+                  const std::vector<std::string> &columns)
+    {
+      if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+        std::cout << name << '\n';
+      const SceneParameters<dim> parameters(file);
+      RunningScene<dim>          one_rank(parameters, MPI_COMM_SELF);
+      one_rank.advance(n_steps);
+      RunningScene<dim> all_ranks(parameters, MPI_COMM_WORLD);
+      all_ranks.advance(n_steps);
+      check_same_ledgers(one_rank, all_ranks, columns);
+    }
+
     /** Two discs of two materials that collide off their axis. */
     inline std::string
     collision_text(const unsigned int points_per_direction)

@@ -143,11 +143,6 @@ namespace emmy
     }
   } // namespace
 
-  const char *const small_cut_remedy =
-    "Against small cuts, add aggregation to Effects/Names, or ghost "
-    "stabilisation (often a Mass penalty of 1e-3 and no Stiffness penalty will "
-    "do; it costs energy), or set Method/Lumping above 0. ";
-
   DiagnosisParameters::DiagnosisParameters(const std::string &path)
     : Section(path)
   {
@@ -309,6 +304,21 @@ namespace emmy
                  brief(condition) + ", so no small cut is to blame";
   }
 
+  template <int dim>
+  std::string
+  small_cut_remedy(const Balance<dim> &balance, const PointMapping &mapping)
+  {
+    std::string remedy = "Against small cuts, ";
+    remedy += balance.aggregation() ? "raise Effects/Aggregation/Mass threshold"
+                                    : "add aggregation to Effects/Names";
+    remedy += balance.ghost_faces()
+                ? ", or raise Effects/Ghost stabilisation/Mass penalty"
+                : ", or add ghost stabilisation (often a Mass penalty of 1e-3 "
+                  "and no Stiffness penalty will do; it costs energy)";
+    return remedy +
+           (mapping.lumping > 0. ? ". " : ", or set Method/Lumping above 0. ");
+  }
+
   template struct Diagnosis<2>;
   template struct Diagnosis<3>;
   template ConditionEstimate
@@ -335,4 +345,8 @@ namespace emmy
               const PointArrays<3> &,
               const FieldLayout &,
               const ActiveGrid<3> &);
+  template std::string
+  small_cut_remedy<2>(const Balance<2> &, const PointMapping &);
+  template std::string
+  small_cut_remedy<3>(const Balance<3> &, const PointMapping &);
 } // namespace emmy

@@ -154,7 +154,7 @@ namespace emmy
           "; " +
           diagnosis.verdict(has_jacobian ? "Jacobian" : "mass matrix", limit);
         if (diagnosis.is_above(limit) && !diagnosis.nodes.empty())
-          remedy = small_cut_remedy;
+          remedy = small_cut_remedy(method.balance, method.mapping);
       }
     throw_together(
       grid.communicator(),
@@ -358,7 +358,7 @@ namespace emmy
         const double limit = method.diagnosis.report_above;
         verdict            = "; " + diagnosis.verdict("mass matrix", limit);
         if (diagnosis.is_above(limit) && !diagnosis.nodes.empty())
-          remedy = small_cut_remedy;
+          remedy = small_cut_remedy(method.balance, method.mapping);
       }
     throw_together(grid.communicator(),
                    where(),

@@ -1,7 +1,5 @@
-#include <deal.II/grid/grid_tools.h>
-
+#include <emmy/transfer/active_cells.h>
 #include <emmy/transfer/ghost_faces.h>
-#include <emmy/transfer/group_cells.h>
 
 #include <algorithm>
 #include <map>
@@ -30,41 +28,20 @@ namespace emmy
     template <int dim>
     using ActiveCells = std::map<Lattice<dim>, CellData>;
 
-    /** The active cells that this rank owns, whoever's points make them so. */
+    /** The active cells that this rank owns. Collective. */
     template <int dim>
     ActiveCells<dim>
-    owned_active_cells(
-      const Stencils<dim>                      &stencils,
-      const BackgroundGrid<dim>                &grid,
-      const std::vector<const Material<dim> *> &material_of_body)
+    owned_cells(const Stencils<dim>                      &stencils,
+                const BackgroundGrid<dim>                &grid,
+                const std::vector<const Material<dim> *> &material_of_body)
     {
-      using Message = std::pair<Lattice<dim>, std::array<double, 2>>;
-      ActiveCells<dim> found;
-      for (const auto &group : stencils.groups)
-        for_each_cell(stencils, group, grid, [&](const Lattice<dim> &cell) {
-          const Material<dim> &material = *material_of_body[group.body];
-          found[cell].include(material.density(), material.p_wave_modulus());
-        });
-
-      ActiveCells<dim>                             owned;
-      std::map<unsigned int, std::vector<Message>> of_others;
-      for (const auto &[lattice, data] : found)
+      ActiveCells<dim> cells;
+      for (const auto &[body, lattice] : owned_active_cells(stencils, grid))
         {
-          const auto cell = grid.cell_at(lattice);
-          if (cell->is_locally_owned())
-            owned[lattice] = data;
-          else
-            of_others[cell->subdomain_id()].push_back(
-              {lattice, {{data.density, data.modulus}}});
+          const Material<dim> &material = *material_of_body[body];
+          cells[lattice].include(material.density(), material.p_wave_modulus());
         }
-      for (const auto &[sender, messages] :
-           dealii::Utilities::MPI::some_to_some(grid.communicator(), of_others))
-        {
-          (void)sender;
-          for (const Message &message : messages)
-            owned[message.first].include(message.second[0], message.second[1]);
-        }
-      return owned;
+      return cells;
     }
 
     /** Tell the ranks beside this one of its active cells. Collective. */
@@ -73,22 +50,19 @@ namespace emmy
     exchange(const BackgroundGrid<dim> &grid, ActiveCells<dim> &cells)
     {
       using Data = std::array<double, 3>;
-      using Cell = typename BackgroundGrid<dim>::Cell;
-      dealii::GridTools::exchange_cell_data_to_ghosts<Data>(
-        grid.triangulation(),
-        [&](const Cell &cell) {
-          const auto found = cells.find(grid.lattice(cell->center()));
+      exchange_beside<Data>(
+        grid,
+        [&](const Lattice<dim> &lattice) {
+          const auto found = cells.find(lattice);
           return found == cells.end()
                    ? Data{{-1., -1., -1.}}
                    : Data{{found->second.density,
                            found->second.modulus,
                            found->second.is_boundary ? 1. : 0.}};
         },
-        [&](const Cell &cell, const Data &data) {
+        [&](const Lattice<dim> &lattice, const Data &data) {
           if (data[0] >= 0.)
-            cells[grid.lattice(cell->center())] = {data[0],
-                                                   data[1],
-                                                   data[2] > 0.};
+            cells[lattice] = {data[0], data[1], data[2] > 0.};
         });
     }
 
@@ -162,8 +136,7 @@ namespace emmy
     const BackgroundGrid<dim>     &grid,
     const BoundaryConditions<dim> &boundary_conditions) const
   {
-    ActiveCells<dim> cells =
-      owned_active_cells(stencils, grid, material_of_body);
+    ActiveCells<dim> cells = owned_cells(stencils, grid, material_of_body);
     const ActiveCells<dim> owned = cells;
     // neighbours must be known to find the boundary, and then theirs
     exchange(grid, cells);

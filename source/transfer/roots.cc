@@ -1,7 +1,3 @@
-#include <deal.II/grid/grid_tools.h>
-
-#include <emmy/transfer/aggregation.h>
-#include <emmy/transfer/group_cells.h>
 #include <emmy/transfer/roots.h>
 
 #include <algorithm>
@@ -19,35 +15,6 @@ namespace emmy
     template <int dim>
     using Lattice = typename BackgroundGrid<dim>::Lattice;
 
-    /** The active cells that this rank owns, whoever's points make them so. */
-    template <int dim>
-    std::set<CellOfBody<dim>>
-    owned_active_cells(const Stencils<dim>       &stencils,
-                       const BackgroundGrid<dim> &grid)
-    {
-      std::set<CellOfBody<dim>> found, owned;
-      for (const auto &group : stencils.groups)
-        for_each_cell(stencils, group, grid, [&](const Lattice<dim> &cell) {
-          found.insert({group.body, cell});
-        });
-      std::map<unsigned int, std::vector<CellOfBody<dim>>> of_others;
-      for (const auto &entry : found)
-        {
-          const auto cell = grid.cell_at(entry.second);
-          if (cell->is_locally_owned())
-            owned.insert(entry);
-          else
-            of_others[cell->subdomain_id()].push_back(entry);
-        }
-      for (const auto &[sender, entries] :
-           dealii::Utilities::MPI::some_to_some(grid.communicator(), of_others))
-        {
-          (void)sender;
-          owned.insert(entries.begin(), entries.end());
-        }
-      return owned;
-    }
-
     /** Tell the ranks beside this one of the roots of its cells. Collective. */
     template <int dim>
     void
@@ -55,18 +22,14 @@ namespace emmy
              const unsigned int         n_bodies,
              Roots<dim>                &roots)
     {
-      if (dealii::Utilities::MPI::n_mpi_processes(grid.communicator()) == 1)
-        return;
-      using Cell = typename BackgroundGrid<dim>::Cell;
       // body, layer, cell and ids
       using Entry = std::array<global_dof_index,
                                2 + dim + BackgroundGrid<dim>::nodes_per_cell>;
       using Data  = std::vector<Entry>;
-      dealii::GridTools::exchange_cell_data_to_ghosts<Data>(
-        grid.triangulation(),
-        [&](const Cell &cell) {
-          Data       data;
-          const auto lattice = grid.lattice(cell->center());
+      exchange_beside<Data>(
+        grid,
+        [&](const Lattice<dim> &lattice) {
+          Data data;
           for (unsigned int body = 0; body < n_bodies; ++body)
             if (const auto found = roots.find({body, lattice});
                 found != roots.end())
@@ -83,8 +46,7 @@ namespace emmy
               }
           return data;
         },
-        [&](const Cell &cell, const Data &data) {
-          const auto lattice = grid.lattice(cell->center());
+        [&](const Lattice<dim> &lattice, const Data &data) {
           for (const Entry &entry : data)
             {
               Root<dim> root;
@@ -153,7 +115,7 @@ namespace emmy
            Roots<dim>                      &roots)
     {
       exchange(grid, n_bodies, roots);
-      for (unsigned int i = 0; i < Aggregation<dim>::farthest_layer; ++i)
+      for (unsigned int i = 0; i < farthest_layer; ++i)
         {
           Roots<dim> found;
           for (const CellOfBody<dim> &cell : owned)
@@ -168,7 +130,7 @@ namespace emmy
                 }
               const Root<dim> *root =
                 preferred<dim>(roots, first, 3, cell.first, centre, grid);
-              if (root && root->layer < Aggregation<dim>::farthest_layer)
+              if (root && root->layer < farthest_layer)
                 found[cell] = {root->layer + 1, root->cell, root->ids};
             }
           roots.insert(found.begin(), found.end());

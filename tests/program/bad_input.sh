@@ -318,6 +318,14 @@ emmy_run base.prm --set "$alone" --set "$falling" --set 'Effects/Gravity/Acceler
 check 'a step that fails at a small cut: exit code 1' [ "$status" -eq 1 ]
 expect_error 'a step that fails at a small cut' \
   'Step 1 from t = 0 s|the scaled Jacobian has the condition number|singular to round-off|weakest at node (|m of the active cell around (1.5, 1.5); 1 particle reaches it: id 0 at (1.5, 1.5) with S = 0.25|add aggregation to Effects/Names|Method/Lumping above 0|more Points per direction'
+check 'a step that fails at a small cut: no talk of thresholds' has_lines 0 "$work/err" threshold
+rm -rf results
+emmy_run base.prm --set "$alone" --set 'Effects/Names=gravity, aggregation, ghost stabilisation' \
+  --set 'Effects/Gravity/Acceleration=0, -1' --set 'Method/Lumping=1e-16' \
+  --set 'Effects/Ghost stabilisation/Mass penalty=1e-16' --set 'Effects/Ghost stabilisation/Stiffness penalty=0' \
+  --set 'Solver/Maximum iterations=1' --set 'Time/Maximum halvings=0'
+expect_error 'what is there already is not advised again' \
+  'singular to round-off|Against small cuts, raise Effects/Aggregation/Mass threshold, or raise Effects/Ghost stabilisation/Mass penalty. Use more'
 rm -rf results
 emmy_run base.prm --set 'Bodies/block/Initial velocity=x; 0' \
   --set 'Solver/Maximum iterations=1' --set 'Time/Maximum halvings=0'

@@ -87,15 +87,9 @@ namespace
           const unsigned int   n_steps,
           const std::string   &name)
   {
-    if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-      std::cout << name << '\n';
-    const SceneParameters<dim> parameters(file);
-    test::RunningScene<dim>    one_rank(parameters, MPI_COMM_SELF);
-    one_rank.advance(n_steps);
-    test::RunningScene<dim> all_ranks(parameters, MPI_COMM_WORLD);
-    all_ranks.advance(n_steps);
-    test::check_same_ledgers(one_rank,
-                             all_ranks,
+    test::compare_ranks<dim>(file,
+                             n_steps,
+                             name,
                              {"time",
                               "kinetic_energy",
                               "kinetic_energy_grid_new",

@@ -197,22 +197,16 @@ namespace
     const auto compare = [](const ParameterFile &file,
                             const unsigned int   n_steps,
                             const std::string   &name) {
-      if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-        std::cout << name << '\n';
-      const SceneParameters<2> parameters(file);
-      test::RunningScene<2>    one_rank(parameters, MPI_COMM_SELF);
-      one_rank.advance(n_steps);
-      test::RunningScene<2> all_ranks(parameters, MPI_COMM_WORLD);
-      all_ranks.advance(n_steps);
-      test::check_same_ledgers(one_rank,
-                               all_ranks,
-                               {"time",
-                                "kinetic_energy",
-                                "kinetic_energy_grid_new",
-                                "strain_energy",
-                                "angular_momentum_z",
-                                "active_cells",
-                                "active_dofs"});
+      test::compare_ranks<2>(file,
+                             n_steps,
+                             name,
+                             {"time",
+                              "kinetic_energy",
+                              "kinetic_energy_grid_new",
+                              "strain_energy",
+                              "angular_momentum_z",
+                              "active_cells",
+                              "active_dofs"});
     };
     compare(ParameterFile(folder + "/7.1a.prm"), 30, "7.1a");
     // the first contact and flow; what Newton leaves must not hide behind it

@@ -115,8 +115,13 @@ namespace emmy
     Diagnosis<dim> mass, jacobian;
   };
 
-  /** What helps against small cuts: a sentence for an error's remedy. */
-  extern const char *const small_cut_remedy;
+  /**
+   * What helps against small cuts, beyond what the scene has already: a
+   * sentence for an error's remedy.
+   */
+  template <int dim>
+  std::string
+  small_cut_remedy(const Balance<dim> &balance, const PointMapping &mapping);
 } // namespace emmy
 
 #endif

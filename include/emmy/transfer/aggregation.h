@@ -71,11 +71,11 @@ namespace emmy
    *
    * A cell that is no root takes, layer by layer, the nearest of the roots that
    * its neighbours have (across faces, edges and corners; cells that the same
-   * body overlaps). Where no root is within farthest_layer layers, as in a lone
-   * particle or a thin strip, theta is halved until a cell reaches it; that
-   * cell is a root then, and its nodes are free. So each starved node follows
-   * a root nearby, or is of the best cell around; a strip does not become the
-   * rigid continuation of a cell far away.
+   * body overlaps). Where no root is within two layers, as in a lone particle
+   * or a thin strip, theta is halved until a cell reaches it; that cell is a
+   * root then, and its nodes are free. So each starved node follows a root
+   * nearby, or is of the best cell around; a strip does not become the rigid
+   * continuation of a cell far away.
    *
    * A node takes the nearest root of its cells, of those of the body that gives
    * it most mass. Ties go to the root that comes first in the lattice. So the
@@ -88,8 +88,6 @@ namespace emmy
   class Aggregation
   {
   public:
-    static constexpr unsigned int farthest_layer = 2;
-
     /**
      * @param mass_threshold theta, between 0 and 1
      * @param mass_component,volume_component of the particles

@@ -3,17 +3,19 @@
 
 #include <deal.II/lac/la_parallel_vector.h>
 
-#include <emmy/particles/stencils.h>
+#include <emmy/transfer/active_cells.h>
 
 #include <array>
 #include <map>
-#include <utility>
 #include <vector>
 
 /** What Aggregation (transfer/aggregation.h) is made of: the search for roots.
  */
 namespace emmy
 {
+  /** A cell takes no root that is more layers of cells away. */
+  constexpr unsigned int farthest_layer = 2;
+
   /** Numbers this close count as equal, whatever round-off says. */
   constexpr double tie = 1e-8;
 
@@ -50,11 +52,6 @@ namespace emmy
                BackgroundGrid<dim>::nodes_per_cell>
       ids; ///< of its nodes
   };
-
-  /** A cell as the particles of one body see it. */
-  template <int dim>
-  using CellOfBody =
-    std::pair<unsigned int, typename BackgroundGrid<dim>::Lattice>;
 
   template <int dim>
   using Roots = std::map<CellOfBody<dim>, Root<dim>>;

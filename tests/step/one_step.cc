@@ -1,0 +1,479 @@
+#include "one_step.h"
+
+#include <emmy/step/velocity_map.h>
+
+#include <cmath>
+
+#include "../check.h"
+
+namespace emmy
+{
+  namespace test
+  {
+    namespace
+    {
+      constexpr double tolerance = 1e-14;
+
+      using Vector3 = dealii::Tensor<1, 3>;
+
+      Vector
+      times(const Matrix &matrix, const Vector &vector)
+      {
+        Vector result = vector;
+        matrix.vmult(result, vector);
+        return result;
+      }
+
+      template <int dim>
+      Vector3
+      in_space(const std::vector<double> &values, const unsigned int node)
+      {
+        Vector3 result;
+        for (unsigned int c = 0; c < dim; ++c)
+          result[c] = values[dim * node + c];
+        return result;
+      }
+
+      /** Sum of a_A x b_A over nodes, and of the sizes of its terms. */
+      template <int dim>
+      std::pair<Vector3, double>
+      cross(const std::vector<double> &a, const std::vector<double> &b)
+      {
+        Vector3 sum;
+        double  size = 0.;
+        for (unsigned int node = 0; node < a.size() / dim; ++node)
+          {
+            const auto a_A = in_space<dim>(a, node),
+                       b_A = in_space<dim>(b, node);
+            sum += cross_product_3d(a_A, b_A);
+            size += a_A.norm() * b_A.norm();
+          }
+        return {sum, size};
+      }
+
+      template <int dim>
+      Motion
+      motion(const PointArrays<dim> &points, const FieldLayout &layout)
+      {
+        Motion result;
+        for (std::size_t p = 0; p < points.n_points(); ++p)
+          {
+            const double m = points.component(layout["mass"])[p];
+            Vector3      x, v;
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                x[d] = points.position(d)[p];
+                v[d] = points.component(layout["velocity"] + d)[p];
+              }
+            result.energy += 0.5 * m * v.norm_square();
+            result.linear += m * v;
+            result.angular += m * cross_product_3d(x, v);
+            result.angular_size += m * x.norm() * v.norm();
+          }
+        return result;
+      }
+    } // namespace
+
+    template <int dim>
+    OneStep<dim>::OneStep(const CloudOptions &options,
+                          const PointMapping &mapping,
+                          const unsigned int  n_iterations,
+                          const double        dt,
+                          const std::string  &what)
+      : options(options)
+      , mapping(mapping)
+      , dt(dt)
+      , what(what)
+      , cloud(options)
+      , stencils(cloud.shape_functions->evaluate(cloud.particles, *cloud.grid))
+      , points(gather(stencils, cloud.layout))
+      , particles_to_grid(*cloud.grid,
+                          *cloud.boundary_conditions,
+                          cloud.layout,
+                          this->mapping,
+                          cloud.balance->ghost_faces(),
+                          cloud.balance->aggregation())
+      , consistent(*cloud.grid, *cloud.boundary_conditions, cloud.layout, plain)
+      , start(particles_to_grid(stencils, points))
+      , active(*start.active)
+      , M(consistent(stencils, points).mass)
+    {
+      solve(n_iterations);
+      before = motion(points, cloud.layout);
+      after  = motion(trial, cloud.layout);
+      for (const auto &entry : equation->energies(u))
+        if (entry.kind != EnergyEntry::Kind::work)
+          stored += entry.change;
+
+      // v.M~ v is small beside its terms at nodes that few particles reach
+      const auto size_of = [&](const Vector &v) {
+        return absolute_product(v, times(start.mass, v));
+      };
+      scale = before.energy + after.energy + size_of(start.velocity) +
+              size_of(v_new) + size_of(start.mapped_velocity) +
+              std::abs(stored) + std::abs(equation->load() * u) +
+              std::abs(equation->unconstrained_residual() * u);
+
+      local_u = x_old = x_mid = x_new = active.to_local(u);
+      for (unsigned int node = 0; node < active.n_local_nodes(); ++node)
+        for (unsigned int c = 0; c < dim; ++c)
+          {
+            const unsigned int i = dim * node + c;
+            x_old[i]             = active.position(node)[c];
+            x_mid[i]             = x_old[i] + 0.5 * local_u[i];
+            x_new[i]             = x_old[i] + local_u[i];
+          }
+    }
+
+    template <int dim>
+    void
+    OneStep<dim>::solve(const unsigned int n_iterations)
+    {
+      const auto solver =
+        make_linear_solver(*cloud.solver_parameters, active.n_dofs(), dim);
+      const auto  &walls = *cloud.boundary_conditions;
+      const Vector wall_velocity =
+        active.on_walls(walls, walls.wall_velocities(0.));
+      test::check(
+        map_velocity(mapping, wall_velocity, *solver, start).is_solved,
+        what + ": the map is solved");
+
+      // some Newton iterations, or all it takes
+      const StepData<dim> step{stencils, points, start, 0., dt};
+      equation = cloud.balance->over(step);
+      u        = Vector(start.mean_velocity);
+      u *= dt;
+      active.constraints().set_zero(u);
+      u += active.on_walls(walls, walls.wall_displacements(0., dt));
+      active.constraints().expand(u);
+      cloud.solver_parameters->maximum_iterations = n_iterations;
+      Phases phases(MPI_COMM_WORLD);
+      is_converged = Newton(*cloud.solver_parameters, *solver, phases)
+                       .solve(*equation, u)
+                       .is_converged;
+      if (n_iterations >= 20)
+        test::check(is_converged, what + ": Newton converges");
+      else
+        test::check(!is_converged, what + ": Newton is stopped early");
+
+      v_new = velocity_new(u, start.velocity, dt);
+      trial = equation->trial();
+      test::check(move_points(stencils,
+                              points,
+                              start,
+                              *cloud.grid,
+                              cloud.layout,
+                              mapping.flip_fraction,
+                              u,
+                              v_new,
+                              trial)
+                    .empty(),
+                  what + ": no particle leaves the grid");
+      books = accounts(step, *equation, cloud.layout, mapping, u, v_new);
+    }
+
+    template <int dim>
+    void
+    OneStep<dim>::check()
+    {
+      check_energies();
+      check_losses();
+      check_map();
+      check_momenta();
+      if (options.aggregation > 0. && is_free())
+        check_followers();
+    }
+
+    template <int dim>
+    void
+    OneStep<dim>::check_energies() const
+    {
+      const double W  = equation->load() * u;
+      const double ru = equation->unconstrained_residual() * u;
+      const double K_grid_old =
+        0.5 * start.mass.matrix_norm_square(start.velocity);
+      const double K_grid_new = 0.5 * start.mass.matrix_norm_square(v_new);
+      const double K_mapped =
+        0.5 * start.mass.matrix_norm_square(start.mapped_velocity);
+      const double K_old = before.energy, K_new = after.energy;
+
+      vanishes(K_grid_new - K_grid_old + stored - W - ru, "energy of the grid");
+      vanishes(K_new - K_old + stored - W - books.residual_work -
+                 books.reaction_work + books.lumping_loss + books.mapping_loss +
+                 books.ghost_mass_loss + books.wall_loss,
+               "energy of the particles");
+
+      double potential = 0.;
+      for (std::size_t p = 0; p < points.n_points(); ++p)
+        for (unsigned int d = 0; d < dim; ++d)
+          potential -= points.component(cloud.layout["mass"])[p] *
+                       cloud.acceleration[d] *
+                       (trial.position(d)[p] - points.position(d)[p]);
+      vanishes(W + potential, "the work of gravity is the potential lost");
+
+      if (is_converged)
+        test::check(std::abs(books.residual_work) < 1e-8 * scale,
+                    what + ": residuals do next to no work");
+      for (const auto &entry : equation->energies(u))
+        if (entry.name == "plastic_dissipation")
+          test::check(entry.change > 0., what + ": it flows");
+      if (mapping.flip_fraction == 0.)
+        vanishes(K_new - 0.5 * M.matrix_norm_square(v_new),
+                 "PIC: particles have the energy v.M v/2 of the grid");
+      if (is_free())
+        vanishes(K_old - K_mapped - unresolved() -
+                   0.5 *
+                     (start.mapped_velocity * X_times(start.mapped_velocity)),
+                 "kinetic energy that the grid cannot see (table 1)");
+    }
+
+    template <int dim>
+    void
+    OneStep<dim>::check_losses() const
+    {
+      vanishes(books.lumping_loss + books.ghost_mass_loss -
+                 0.5 * (change() * X_times(change())),
+               "lumping and ghost mass lose Dv.X Dv/2");
+      test::check(books.lumping_loss >= 0., what + ": lumping takes energy");
+      test::check(options.ghost_mass > 0. ? books.ghost_mass_loss > 0.
+                                          : books.ghost_mass_loss == 0.,
+                  what + ": ghost mass takes energy");
+      for (const auto &entry : equation->energies(u))
+        if (entry.name == "ghost_stiffness_loss")
+          test::check(options.ghost_stiffness > 0. ? entry.change > 0.
+                                                   : entry.change == 0.,
+                      what + ": ghost stiffness takes energy");
+      if (is_free() && mapping.lumping == 0. && options.ghost_mass == 0.)
+        vanishes(books.mapping_loss -
+                   (1. - mapping.flip_fraction * mapping.flip_fraction) *
+                     unresolved(),
+                 "the mapping loses the energy that the grid cannot see");
+
+      // works of walls in closed form, on fixed unknowns: of the reactions R,
+      // and of what the map leaves there (W1) or the impulse that stops the
+      // grid (W3)
+      const auto on_fixed = [&](const Vector &a, const Vector &b) {
+        Vector fixed = a;
+        active.constraints().fold(fixed);
+        Vector free = fixed;
+        active.constraints().set_zero(free);
+        fixed -= free;
+        return fixed * b;
+      };
+      double wall_work = on_fixed(equation->unconstrained_residual(), u);
+      if (mapping.walls == PointMapping::Walls::constrained)
+        wall_work += on_fixed(misfit(start.velocity), change());
+      if (mapping.walls == PointMapping::Walls::inelastic)
+        wall_work -= on_fixed(times(start.mass, stopped()), start.velocity);
+      vanishes(books.reaction_work - wall_work, "the work of walls");
+      test::check(options.moving ? books.reaction_work != 0.
+                                 : std::abs(books.reaction_work) == 0.,
+                  what + ": only a wall that moves does work");
+      vanishes(books.wall_loss - 0.5 * start.mass.matrix_norm_square(stopped()),
+               "the wall loss is w.M~ w/2");
+    }
+
+    template <int dim>
+    void
+    OneStep<dim>::check_map() const
+    {
+      Vector left = misfit(is_free() ? start.mapped_velocity : start.velocity);
+      if (mapping.walls == PointMapping::Walls::constrained)
+        active.constraints().condense(left);
+      test::check_close(left.l2_norm(),
+                        0.,
+                        tolerance * start.momentum.l2_norm(),
+                        what + ": the map leaves nothing");
+      test::check_close((before.linear -
+                         total(times(start.mass, start.velocity)) -
+                         total(misfit(start.velocity)))
+                          .norm(),
+                        0.,
+                        tolerance * start.momentum.l1_norm(),
+                        what + ": linear momentum through the map (table 1)");
+    }
+
+    template <int dim>
+    void
+    OneStep<dim>::check_momenta()
+    {
+      // what acts is load plus residual; on fixed components the residual is
+      // the reaction. iota is what the map leaves, the impulse what walls give
+      // to the map, over M~
+      const double alpha  = mapping.flip_fraction;
+      Vector       acting = equation->load();
+      acting += equation->unconstrained_residual();
+      const Vector iota        = misfit(start.velocity),
+                   iota_mapped = misfit(start.mapped_velocity);
+      Vector impulse           = times(start.mass, stopped());
+      impulse *= -1.;
+
+      const auto force = active.to_local(acting);
+      for (unsigned int node = 0; node < active.n_local_nodes(); ++node)
+        force_size += in_space<dim>(force, node).norm();
+      test::check_close((after.linear - before.linear - dt * total(acting) -
+                         alpha * total(impulse) + (1. - alpha) * total(iota))
+                          .norm(),
+                        0.,
+                        tolerance * (before.linear.norm() + dt * force_size +
+                                     start.momentum.l1_norm()),
+                        what + ": linear momentum");
+
+      J_scale              = before.angular_size + after.angular_size;
+      const Vector3 turned = dt * moment(x_mid, acting);
+      const Vector3 J_grid_old =
+                      moment(x_old, times(start.mass, start.velocity)),
+                    J_grid_new  = moment(x_new, times(start.mass, v_new));
+      const Vector3 flip_defect = moment(x_old, impulse) -
+                                  moment(x_new, X_times(change())) +
+                                  moment(local_u, iota_mapped);
+      const Vector3 pic_defect =
+        Vector3() - moment(x_new, X_times(v_new)) - moment(x_old, iota);
+      const Vector3 seen = moment(x_old, iota);
+      test::check_close((J_grid_new - J_grid_old - turned).norm(),
+                        0.,
+                        tolerance * J_scale,
+                        what + ": angular momentum of the grid");
+      test::check_close((after.angular - before.angular - turned -
+                         alpha * flip_defect - (1. - alpha) * pic_defect)
+                          .norm(),
+                        0.,
+                        tolerance * J_scale,
+                        what + ": angular momentum of the particles");
+      test::check_close((before.angular - J_grid_old - seen).norm(),
+                        0.,
+                        tolerance * J_scale,
+                        what + ": angular momentum through the map");
+    }
+
+    template <int dim>
+    void
+    OneStep<dim>::check_followers()
+    {
+      const Constraints &constraints = active.constraints();
+      test::check(start.aggregates.n_followers > 0, what + ": nodes follow");
+      test::check(constraints.has_followers(), what + ": by constraints");
+
+      // what the map leaves and what holds followers has no sum and no moment
+      const Vector  iota = misfit(start.velocity);
+      const Vector3 seen = moment(x_old, iota);
+      test::check_close(total(iota).norm() + seen.norm(),
+                        0.,
+                        tolerance * (start.momentum.l1_norm() + J_scale),
+                        what + ": the map keeps both momenta");
+      Vector rest = equation->unconstrained_residual(), held = rest;
+      constraints.condense(rest); // Newton's, at the roots
+      held -= rest;
+      test::check_close(total(held).norm(),
+                        0.,
+                        tolerance * force_size,
+                        what + ": what holds followers has no sum");
+      test::check_close(moment(x_mid, held).norm(),
+                        0.,
+                        tolerance * J_scale / dt,
+                        what + ": what holds followers has no moment");
+      Vector again = u;
+      constraints.expand(again);
+      again -= u;
+      test::check_close(again.linfty_norm(),
+                        0.,
+                        tolerance * u.linfty_norm() *
+                          start.aggregates.largest_weight,
+                        what + ": followers follow");
+    }
+
+    template <int dim>
+    void
+    OneStep<dim>::vanishes(const double value, const std::string &fact) const
+    {
+      test::check_close(value, 0., tolerance * scale, what + ": " + fact);
+    }
+
+    template <int dim>
+    bool
+    OneStep<dim>::is_free() const
+    {
+      return (options.fixed.empty() && options.roller.empty()) ||
+             mapping.walls != PointMapping::Walls::constrained;
+    }
+
+    template <int dim>
+    Vector
+    OneStep<dim>::X_times(const Vector &v) const
+    {
+      Vector result = times(start.mass, v);
+      result -= times(M, v);
+      return result;
+    }
+
+    template <int dim>
+    Vector
+    OneStep<dim>::misfit(const Vector &v) const
+    {
+      Vector result = start.momentum;
+      result -= times(start.mass, v);
+      return result;
+    }
+
+    template <int dim>
+    Vector
+    OneStep<dim>::stopped() const
+    {
+      Vector result = start.mapped_velocity;
+      result -= start.velocity;
+      return result;
+    }
+
+    template <int dim>
+    Vector
+    OneStep<dim>::change() const
+    {
+      Vector result = v_new;
+      result -= start.mapped_velocity;
+      return result;
+    }
+
+    template <int dim>
+    double
+    OneStep<dim>::unresolved() const
+    {
+      const auto v_mapped = active.to_local(start.mapped_velocity);
+      double     result   = 0.;
+      for (const auto &group : stencils.groups)
+        for (unsigned int q = 0; q < group.n_points; ++q)
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              const auto p = group.first_point + q;
+              double     v = points.component(cloud.layout["velocity"] + d)[p];
+              for (unsigned int a = 0; a < group.n_nodes; ++a)
+                v -= stencils.value(group, a)[q] *
+                     v_mapped[dim * active.nodes(group)[a] + d];
+              result += 0.5 * points.component(cloud.layout["mass"])[p] * v * v;
+            }
+      return result;
+    }
+
+    template <int dim>
+    Vector3
+    OneStep<dim>::total(const Vector &vector) const
+    {
+      const auto local = active.to_local(vector);
+      Vector3    sum;
+      for (unsigned int node = 0; node < active.n_local_nodes(); ++node)
+        sum += in_space<dim>(local, node);
+      return sum;
+    }
+
+    template <int dim>
+    Vector3
+    OneStep<dim>::moment(const std::vector<double> &x, const Vector &a)
+    {
+      const auto [sum, size] = cross<dim>(x, active.to_local(a));
+      J_scale += size;
+      return sum;
+    }
+
+    template class OneStep<2>;
+    template class OneStep<3>;
+  } // namespace test
+} // namespace emmy
