@@ -176,8 +176,7 @@ namespace emmy
     std::ostringstream line;
     line << std::left << std::setw(name_width) << what << std::right
          << std::setw(10) << "calls" << std::setw(12) << "seconds"
-         << std::setw(9) << "share" << std::setw(12) << "points/s"
-         << std::setw(12) << "iterations";
+         << std::setw(9) << "share" << std::setw(12) << "points/s";
     return line.str();
   }
 
@@ -218,7 +217,7 @@ namespace emmy
     std::size_t width = 16;
     for (const Row &row : rows)
       width = std::max(width, row.name.size());
-    const std::string headings = time_headings("phase", width);
+    const std::string headings = time_headings("phase", width) + "  iterations";
     const std::string rule(headings.size(), '-');
 
     Row outside, whole;

@@ -188,7 +188,7 @@ namespace emmy
             const double       total,
             const std::size_t  name_width);
 
-  /** The headings of such lines. */
+  /** The headings of such lines, up to the points. */
   std::string
   time_headings(const std::string &what, const std::size_t name_width);
 } // namespace emmy
