@@ -35,6 +35,20 @@ namespace emmy
                                                layout["reference_volume"]);
   }
 
+  template <int dim>
+  EffectCard
+  AggregationParameters<dim>::card()
+  {
+    EffectCard card;
+    card.enters  = "particles to grid: roots; constraints of all solves";
+    card.couples = "the roots' nodes with those that their followers reach";
+    card.ledger_columns = {"followers",
+                           "free_starved",
+                           "farthest_root",
+                           "largest_weight"};
+    return card;
+  }
+
   template class AggregationParameters<2>;
   template class AggregationParameters<3>;
 } // namespace emmy

@@ -15,9 +15,20 @@ namespace emmy
     return dealii::Utilities::MPI::sum(sum, a.get_mpi_communicator());
   }
 
+  namespace
+  {
+    template <int dim>
+    Effects<dim>
+    with_names(Effects<dim> effects)
+    {
+      effects.name_new("unnamed");
+      return effects;
+    }
+  } // namespace
+
   template <int dim>
   Balance<dim>::Balance(Effects<dim> effects)
-    : effects(std::move(effects))
+    : effects(with_names(std::move(effects)))
   {}
 
   template <int dim>
@@ -79,8 +90,12 @@ namespace emmy
     if (!balance.effects.loads.empty())
       {
         std::vector<double> local(dim * step.start.active->n_local_nodes());
-        for (const auto &load : balance.effects.loads)
-          load->add(step, local);
+        for (std::size_t i = 0; i < balance.effects.loads.size(); ++i)
+          {
+            const std::string &effect = balance.effects.load_names[i];
+            const auto         timed  = effect_scope(step.phases, effect);
+            balance.effects.loads[i]->add(step, local);
+          }
         step.start.active->add(local, external_force);
       }
   }
@@ -104,11 +119,16 @@ namespace emmy
     if (with_jacobian)
       tangent = 0.;
     Vector force = active.make_vector();
-    for (const auto &term : balance.effects.terms)
+    for (std::size_t i = 0; i < balance.effects.terms.size(); ++i)
       {
         force = 0.;
-        const std::string problem =
-          term->add(step, iterate, force, with_jacobian ? &tangent : nullptr);
+        std::string problem;
+        {
+          const std::string &effect = balance.effects.term_names[i];
+          const auto         timed  = effect_scope(step.phases, effect);
+          problem                   = balance.effects.terms[i]->add(
+            step, iterate, force, with_jacobian ? &tangent : nullptr);
+        }
         found = agree_on_problem(active.communicator(), problem);
         if (!found.empty())
           return false;
@@ -223,14 +243,19 @@ namespace emmy
   StepEquation<dim>::energies(const Vector &solution) const
   {
     std::vector<EnergyEntry> entries;
-    for (const auto &term : balance.effects.terms)
-      for (auto entry : term->energies(step, solution, trial_states))
-        {
-          entry.change =
-            dealii::Utilities::MPI::sum(entry.change,
-                                        step.start.active->communicator());
-          entries.push_back(entry);
-        }
+    for (std::size_t i = 0; i < balance.effects.terms.size(); ++i)
+      {
+        const auto timed =
+          effect_scope(step.phases, balance.effects.term_names[i]);
+        for (auto entry :
+             balance.effects.terms[i]->energies(step, solution, trial_states))
+          {
+            entry.change =
+              dealii::Utilities::MPI::sum(entry.change,
+                                          step.start.active->communicator());
+            entries.push_back(entry);
+          }
+      }
     if (!balance.effects.loads.empty())
       entries.push_back(
         {"load_work", EnergyEntry::Kind::work, external_force * solution});

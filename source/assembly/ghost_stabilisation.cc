@@ -48,6 +48,17 @@ namespace emmy
   }
 
   template <int dim>
+  EffectCard
+  GhostParameters<dim>::card()
+  {
+    EffectCard card;
+    card.enters  = "particles to grid: faces and mass; Newton: stiffness";
+    card.couples = "the nodes of the two cells at each ghost face";
+    card.ledger_columns = {"ghost_stiffness_loss", "ghost_mass_loss"};
+    return card;
+  }
+
+  template <int dim>
   std::string
   GhostStiffness<dim>::add(const StepData<dim> &step,
                            const Iterate<dim>  &iterate,

@@ -38,6 +38,16 @@ namespace emmy
       g, layout["mass"], Amplitude(amplitude, this->path())));
   }
 
+  template <int dim>
+  EffectCard
+  GravityParameters<dim>::card()
+  {
+    EffectCard card;
+    card.enters         = "loads of the step, before Newton";
+    card.ledger_columns = {"load_work"};
+    return card;
+  }
+
   template class GravityParameters<2>;
   template class GravityParameters<3>;
 } // namespace emmy

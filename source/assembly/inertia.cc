@@ -20,6 +20,17 @@ namespace emmy
   }
 
   template <int dim>
+  EffectCard
+  Inertia<dim>::card()
+  {
+    EffectCard card;
+    card.name       = "inertia";
+    card.enters     = "Newton: mass times acceleration";
+    card.is_present = true;
+    return card;
+  }
+
+  template <int dim>
   std::string
   Inertia<dim>::add(const StepData<dim> &step,
                     const Iterate<dim>  &iterate,

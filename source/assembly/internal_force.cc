@@ -1,5 +1,3 @@
-#include <deal.II/lac/full_matrix.h>
-
 #include <emmy/assembly/internal_force.h>
 
 #include <algorithm>
@@ -16,6 +14,34 @@ namespace emmy
       const auto unit = mandel::unit<dim>();
       field.initial.assign(unit.begin_raw(), unit.end_raw());
       return field;
+    }
+
+    template <int dim>
+    Field
+    elastic_deformation_field()
+    {
+      return deformation_field<dim>("elastic_left_cauchy_green",
+                                    "elastic left Cauchy-Green tensor; "
+                                    "that of the stress");
+    }
+
+    Field
+    hardening_field()
+    {
+      return {"hardening_energy_density",
+              Field::Kind::scalar,
+              "J/m^3",
+              "energy stored by hardening, per undeformed volume"};
+    }
+
+    Field
+    dissipation_field()
+    {
+      return {"plastic_dissipation_density",
+              Field::Kind::scalar,
+              "J/m^3",
+              "energy dissipated by plastic flow so far, per undeformed "
+              "volume"};
     }
 
     /** Displacement gradients of a batch: H_ij = sum u_ai dS_a/dx_j. */
@@ -129,8 +155,10 @@ namespace emmy
   InternalForce<dim>::InternalForce(
     std::vector<const Material<dim> *> material_of_body,
     FieldLayout                       &layout,
-    const StressRule<dim>             &rule)
+    const StressRule<dim>             &rule,
+    std::vector<std::string>           names)
     : material_of_body(std::move(material_of_body))
+    , names(std::move(names))
     , rule(rule)
     , reference_volume(layout["reference_volume"])
     , left_cauchy_green(layout.add(
@@ -147,49 +175,82 @@ namespace emmy
                     Field::Kind::scalar,
                     "J/m^3",
                     "stored elastic energy per undeformed volume"}))
-    , inelastic(add_inelastic_fields(this->material_of_body, layout))
+    , inelastic(
+        add_inelastic_fields(this->material_of_body, this->names, layout))
   {}
+
+  template <int dim>
+  EffectCard
+  InternalForce<dim>::card()
+  {
+    FieldLayout         layout = basic_fields(dim);
+    const std::size_t   n      = layout.fields().size();
+    const InternalForce elastic({}, layout);
+    EffectCard          card;
+    card.name           = internal_force_effect;
+    card.enters         = "Newton: stress of the particles";
+    card.fields         = {layout.fields().begin() + n, layout.fields().end()};
+    card.ledger_columns = {"strain_energy"};
+    card.is_present     = true;
+    return card;
+  }
+
+  template <int dim>
+  EffectCard
+  InternalForce<dim>::with_history(EffectCard material)
+  {
+    if (material.fields.empty())
+      return material;
+    material.fields.insert(material.fields.begin(),
+                           elastic_deformation_field<dim>());
+    material.fields.push_back(hardening_field());
+    material.fields.push_back(dissipation_field());
+    material.ledger_columns.insert(material.ledger_columns.end(),
+                                   {"hardening_energy", "plastic_dissipation"});
+    return material;
+  }
 
   template <int dim>
   std::unique_ptr<const typename InternalForce<dim>::InelasticFields>
   InternalForce<dim>::add_inelastic_fields(
     const std::vector<const Material<dim> *> &material_of_body,
+    const std::vector<std::string>           &names,
     FieldLayout                              &layout)
   {
     std::vector<std::vector<Field>> histories;
-    for (const Material<dim> *material : material_of_body)
-      histories.push_back(material->history());
-    if (std::all_of(histories.begin(), histories.end(), [](const auto &fields) {
-          return fields.empty();
-        }))
+    unsigned int                    first = material_of_body.size();
+    for (unsigned int body = 0; body < material_of_body.size(); ++body)
+      {
+        histories.push_back(material_of_body[body]->history());
+        if (!histories.back().empty())
+          first = std::min(first, body);
+      }
+    if (first == material_of_body.size())
       return nullptr;
 
+    // the first material with history pays for what all share
+    const auto pays = [&](const unsigned int body) {
+      if (!names.empty())
+        layout.set_effect(names[body]);
+    };
     auto result = std::make_unique<InelasticFields>();
+    pays(first);
     result->elastic_left_cauchy_green =
-      layout.add(deformation_field<dim>("elastic_left_cauchy_green",
-                                        "elastic left Cauchy-Green tensor; "
-                                        "that of the stress"));
-    for (const std::vector<Field> &fields : histories)
+      layout.add(elastic_deformation_field<dim>());
+    for (unsigned int body = 0; body < histories.size(); ++body)
       {
+        pays(body);
         result->history.emplace_back();
-        for (const Field &field : fields)
+        for (const Field &field : histories[body])
           {
             Assert(field.kind == Field::Kind::scalar,
                    dealii::ExcMessage("A material's history is scalar."));
             result->history.back().push_back(layout.add(field));
           }
       }
-    result->hardening_energy_density =
-      layout.add({"hardening_energy_density",
-                  Field::Kind::scalar,
-                  "J/m^3",
-                  "energy stored by hardening, per undeformed volume"});
-    result->plastic_dissipation_density =
-      layout.add({"plastic_dissipation_density",
-                  Field::Kind::scalar,
-                  "J/m^3",
-                  "energy dissipated by plastic flow so far, per undeformed "
-                  "volume"});
+    pays(first);
+    result->hardening_energy_density    = layout.add(hardening_field());
+    result->plastic_dissipation_density = layout.add(dissipation_field());
     return result;
   }
 
@@ -200,71 +261,92 @@ namespace emmy
                           Vector              &force,
                           Matrix              *jacobian) const
   {
-    const ActiveGrid<dim> &active  = *step.start.active;
-    const double          *volumes = step.points.component(reference_volume);
-    std::vector<double>    nodal_force(dim * active.n_local_nodes());
-    std::string            problem;
-
     // too large for the stack of a thread
-    const auto batch    = std::make_unique<StressBatch<dim>>();
-    batch->with_tangent = jacobian != nullptr;
-    dealii::FullMatrix<double>                   stiffness;
-    std::vector<dealii::types::global_dof_index> dofs;
+    const auto work          = std::make_unique<Assembly>();
+    work->batch.with_tangent = jacobian != nullptr;
+    work->nodal_force.resize(dim * step.start.active->n_local_nodes());
 
-    for (const auto &group : step.stencils.groups)
+    // groups of one material after another are timed together: that takes no
+    // time of its own
+    const auto   &groups = step.stencils.groups;
+    Phases *const phases = names.empty() ? nullptr : step.phases;
+    std::string   problem;
+    for (auto group = groups.begin(); group != groups.end() && problem.empty();)
       {
-        const unsigned int *nodes = active.nodes(group);
-        if (!problem.empty())
-          break;
-        if (jacobian)
-          stiffness.reinit(dim * group.n_nodes, dim * group.n_nodes);
-
-        for (unsigned int first = 0; first < group.n_points;
-             first += max_batch_points)
+        const unsigned int body     = group->body;
+        std::size_t        n_points = 0;
+        {
+          const auto timed =
+            effect_scope(phases, phases ? std::string_view(names[body]) : "");
+          for (; group != groups.end() && problem.empty() &&
+                 material_of_body[group->body] == material_of_body[body];
+               ++group)
+            {
+              problem = add_group(step, iterate, *group, *work, jacobian);
+              n_points += group->n_points;
+            }
+        }
+        if (phases)
           {
-            const std::size_t  point = group.first_point + first;
-            const unsigned int inverted =
-              evaluate(step, group, first, iterate.local_displacement, *batch);
-            if (inverted < batch->n_points)
-              {
-                problem =
-                  inverted_particle(*step.stencils.particles[point + inverted]);
-                break;
-              }
-
-            write_states(*batch, point, iterate.trial);
-            if (inelastic)
-              write_inelastic_states(
-                step, *batch, group.body, point, iterate.trial);
-            add_forces(step.stencils,
-                       group,
-                       first,
-                       volumes + point,
-                       nodes,
-                       *batch,
-                       nodal_force);
-            if (jacobian)
-              add_stiffness(step.stencils,
-                            group,
-                            first,
-                            volumes + point,
-                            *batch,
-                            stiffness);
-          }
-
-        if (jacobian)
-          {
-            dofs.clear();
-            for (unsigned int a = 0; a < group.n_nodes; ++a)
-              for (unsigned int c = 0; c < dim; ++c)
-                dofs.push_back(active.first_dof(nodes[a]) + c);
-            active.constraints().affine().distribute_local_to_global(stiffness,
-                                                                     dofs,
-                                                                     *jacobian);
+            phases->add_effect_count(internal_force_effect, n_points);
+            phases->add_effect_count(names[body], n_points);
           }
       }
-    active.add(nodal_force, force); // collective: also after a problem
+    step.start.active->add(work->nodal_force,
+                           force); // collective: also after a problem
     return problem;
+  }
+
+  template <int dim>
+  std::string
+  InternalForce<dim>::add_group(const StepData<dim> &step,
+                                const Iterate<dim>  &iterate,
+                                const Group         &group,
+                                Assembly            &work,
+                                Matrix              *jacobian) const
+  {
+    const ActiveGrid<dim> &active = *step.start.active;
+    const unsigned int    *nodes  = active.nodes(group);
+    if (jacobian)
+      work.stiffness.reinit(dim * group.n_nodes, dim * group.n_nodes);
+
+    for (unsigned int first = 0; first < group.n_points;
+         first += max_batch_points)
+      {
+        const std::size_t  point = group.first_point + first;
+        const unsigned int inverted =
+          evaluate(step, group, first, iterate.local_displacement, work.batch);
+        if (inverted < work.batch.n_points)
+          return inverted_particle(*step.stencils.particles[point + inverted]);
+
+        write_states(work.batch, point, iterate.trial);
+        if (inelastic)
+          write_inelastic_states(
+            step, work.batch, group.body, point, iterate.trial);
+        const double *volumes = step.points.component(reference_volume) + point;
+        add_forces(step.stencils,
+                   group,
+                   first,
+                   volumes,
+                   nodes,
+                   work.batch,
+                   work.nodal_force);
+        if (jacobian)
+          add_stiffness(
+            step.stencils, group, first, volumes, work.batch, work.stiffness);
+      }
+
+    if (jacobian)
+      {
+        work.dofs.clear();
+        for (unsigned int a = 0; a < group.n_nodes; ++a)
+          for (unsigned int c = 0; c < dim; ++c)
+            work.dofs.push_back(active.first_dof(nodes[a]) + c);
+        active.constraints().affine().distribute_local_to_global(work.stiffness,
+                                                                 work.dofs,
+                                                                 *jacobian);
+      }
+    return {};
   }
 
   template <int dim>
@@ -433,7 +515,8 @@ namespace emmy
       }
     if (!rule.is_conserving)
       {
-        double known = 0.;
+        const auto timed = effect_scope(step.phases, stress_rule_effect);
+        double     known = 0.;
         for (const EnergyEntry &entry : entries)
           known += entry.change;
         entries.back().change = work(step, displacement) - known;

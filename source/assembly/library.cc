@@ -26,24 +26,28 @@ namespace emmy
                    "a constant acceleration on all particles",
                    [](const std::string &section) {
                      return std::make_unique<GravityParameters<dim>>(section);
-                   }});
+                   },
+                   GravityParameters<dim>::card()});
       effects.add({"point load",
                    "a force that chosen particles hold and carry along",
                    [](const std::string &section) {
                      return std::make_unique<PointLoadParameters<dim>>(section);
-                   }});
-      effects.add({"ghost stabilisation",
+                   },
+                   PointLoadParameters<dim>::card()});
+      effects.add({ghost_effect,
                    "penalties on faces at the body's boundary, for small cuts",
                    [](const std::string &section) {
                      return std::make_unique<GhostParameters<dim>>(section);
-                   }});
+                   },
+                   GhostParameters<dim>::card()});
       effects.add(
-        {"aggregation",
+        {aggregation_effect,
          "starved nodes follow well-fed ones, for small cuts: nothing "
          "is lost",
          [](const std::string &section) {
            return std::make_unique<AggregationParameters<dim>>(section);
-         }});
+         },
+         AggregationParameters<dim>::card()});
       return effects;
     }();
     return library;

@@ -254,11 +254,7 @@ namespace emmy
                                    FieldLayout  &layout) const
   {
     validate();
-    const unsigned int share =
-      layout.add({"point_load_share",
-                  Field::Kind::scalar,
-                  "1",
-                  "part of the point load that the particle holds"});
+    const unsigned int     share = layout.add(card().fields[0]);
     dealii::Tensor<1, dim> F;
     for (unsigned int d = 0; d < dim; ++d)
       F[d] = force[d];
@@ -270,6 +266,20 @@ namespace emmy
     else
       effects.markers.push_back(
         std::make_unique<NearestParticles<dim>>(positions, share));
+  }
+
+  template <int dim>
+  EffectCard
+  PointLoadParameters<dim>::card()
+  {
+    EffectCard card;
+    card.enters         = "loads of the step, before Newton";
+    card.fields         = {{"point_load_share",
+                            Field::Kind::scalar,
+                            "1",
+                            "part of the point load that the particle holds"}};
+    card.ledger_columns = {"load_work"};
+    return card;
   }
 
   template class PointLoadParameters<2>;

@@ -1,8 +1,9 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/phases.h>
 
+#include <boost/serialization/utility.hpp>
+
 #include <algorithm>
-#include <fstream>
 #include <iomanip>
 #include <ostream>
 #include <sstream>
@@ -18,60 +19,34 @@ namespace emmy
     {
       return std::chrono::duration<double>(Clock::now() - start).count();
     }
-
-
-    /** Percent of the total; 0 before any time has passed. */
-    double
-    share(const double seconds, const double total)
-    {
-      return total > 0. ? 100. * seconds / total : 0.;
-    }
-
-
-    /** Seconds of the run that no phase accounts for. */
-    double
-    seconds_outside(const std::vector<Phases::Row> &rows, const double total)
-    {
-      double outside = total;
-      for (const Phases::Row &row : rows)
-        outside -= row.mean_seconds;
-      return std::max(outside, 0.);
-    }
-
-
-    /** Text in quotes, with what JSON does not allow in them escaped. */
-    std::string
-    quoted(const std::string &text)
-    {
-      std::ostringstream out;
-      out << '"';
-      for (const char c : text)
-        if (c == '"' || c == '\\')
-          out << '\\' << c;
-        else if (static_cast<unsigned char>(c) < 0x20)
-          out << "\\u" << std::hex << std::setw(4) << std::setfill('0')
-              << static_cast<int>(c);
-        else
-          out << c;
-      out << '"';
-      return out.str();
-    }
   } // namespace
 
 
-  Phases::Scope::Scope(Phases &phases, const std::size_t index)
-    : phases(phases)
+  Phases::Scope::Scope(Phases           &phases,
+                       const std::size_t index,
+                       const bool        is_effect)
+    : phases(&phases)
     , index(index)
+    , is_effect(is_effect)
+    , outer(phases.open_effect)
     , start(Clock::now())
-  {}
+  {
+    if (is_effect)
+      phases.open_effect = index;
+  }
 
 
   Phases::Scope::~Scope()
   {
-    Entry &entry = phases.entries[index];
+    if (!phases)
+      return;
+    Entry &entry = (is_effect ? phases->effects_of_run : phases->phases)[index];
     entry.seconds += seconds_since(start);
     ++entry.calls;
-    phases.scope_is_open = false;
+    if (is_effect)
+      phases->open_effect = outer;
+    else
+      phases->phase_is_open = false;
   }
 
 
@@ -84,161 +59,194 @@ namespace emmy
   Phases::Scope
   Phases::scope(const std::string_view phase)
   {
-    Assert(scope_is_open == false,
+    Assert(phase_is_open == false,
            ExcRun("Phase " + std::string(phase),
                   "another phase is still being timed",
                   "end the scope of that phase first: phases do not nest."));
-    scope_is_open = true;
-    return Scope(*this, find_or_add(phase));
+    phase_is_open = true;
+    return Scope(*this, find_or_add(phases, phase), /*is_effect=*/false);
+  }
+
+
+  Phases::Scope
+  Phases::effect(const std::string_view name)
+  {
+    const std::size_t index = find_or_add(effects_of_run, name);
+    if (open_effect != no_effect)
+      effects_of_run[index].within = effects_of_run[open_effect].name;
+    return Scope(*this, index, /*is_effect=*/true);
   }
 
 
   void
   Phases::add_count(const std::string_view phase, const std::size_t n_points)
   {
-    entries[find_or_add(phase)].points += n_points;
+    phases[find_or_add(phases, phase)].points += n_points;
+  }
+
+
+  void
+  Phases::add_effect_count(const std::string_view effect,
+                           const std::size_t      n_points)
+  {
+    effects_of_run[find_or_add(effects_of_run, effect)].points += n_points;
+  }
+
+
+  void
+  Phases::add_iterations(const std::string_view phase, const std::size_t n)
+  {
+    phases[find_or_add(phases, phase)].iterations += n;
   }
 
 
   std::vector<Phases::Row>
   Phases::rows() const
   {
-    // Ranks usually know the same phases, but what only one rank does (a
+    return combined(phases);
+  }
+
+
+  std::vector<Phases::Row>
+  Phases::effects() const
+  {
+    return combined(effects_of_run);
+  }
+
+
+  std::vector<Phases::Row>
+  Phases::combined(const Entries &entries) const
+  {
+    // Ranks usually know the same names, but what only one rank does (a
     // picture drawn by rank 0) must not let the others wait for ever.
-    std::vector<std::string> own_names;
+    using Name = std::pair<std::string, std::string>; // and what it is within
+    std::vector<Name> own_names, names;
     for (const Entry &entry : entries)
-      own_names.push_back(entry.name);
-    std::vector<std::string> names;
+      own_names.emplace_back(entry.name, entry.within);
     for (const auto &names_of_rank :
          dealii::Utilities::MPI::all_gather(communicator, own_names))
-      for (const std::string &name : names_of_rank)
-        if (std::find(names.begin(), names.end(), name) == names.end())
+      for (const Name &name : names_of_rank)
+        if (std::find_if(names.begin(), names.end(), [&](const Name &other) {
+              return other.first == name.first;
+            }) == names.end())
           names.push_back(name);
 
     std::vector<Row> rows;
-    for (const std::string &name : names)
+    for (const auto &[name, within] : names)
       {
-        const auto entry =
-          std::find_if(entries.begin(), entries.end(), [&](const Entry &e) {
-            return e.name == name;
-          });
-        const bool is_here = entry != entries.end();
-
+        Entry here;
+        for (const Entry &entry : entries)
+          if (entry.name == name)
+            here = entry;
         const auto seconds =
-          dealii::Utilities::MPI::min_max_avg(is_here ? entry->seconds : 0.,
-                                              communicator);
+          dealii::Utilities::MPI::min_max_avg(here.seconds, communicator);
+        const auto largest = [&](const std::size_t n) {
+          return dealii::Utilities::MPI::max(static_cast<double>(n),
+                                             communicator);
+        };
         Row row;
         row.name         = name;
+        row.within       = within;
         row.seconds      = seconds.max;
         row.mean_seconds = seconds.avg;
-        row.calls        = dealii::Utilities::MPI::max(
-          is_here ? static_cast<double>(entry->calls) : 0., communicator);
-        row.points = dealii::Utilities::MPI::sum(
-          is_here ? static_cast<double>(entry->points) : 0., communicator);
+        row.calls        = largest(here.calls);
+        row.iterations   = largest(here.iterations);
+        row.points =
+          dealii::Utilities::MPI::sum(static_cast<double>(here.points),
+                                      communicator);
         rows.push_back(row);
       }
     return rows;
   }
 
 
-  void
-  Phases::print(std::ostream &out) const
+  double
+  Phases::seconds_outside(const std::vector<Row> &rows, const double total)
   {
-    const std::vector<Row> rows  = this->rows();
-    const double           total = total_seconds();
-    if (dealii::Utilities::MPI::this_mpi_process(communicator) != 0)
-      return;
-
-    std::size_t width = 16;
+    double outside = total;
     for (const Row &row : rows)
-      width = std::max(width, row.name.size());
+      outside -= row.mean_seconds;
+    return std::max(outside, 0.);
+  }
 
-    // A stream of our own: the caller's keeps its format.
-    std::ostringstream table;
-    table << std::left << std::setw(width) << "phase" << std::right
-          << std::setw(10) << "calls" << std::setw(12) << "seconds"
-          << std::setw(9) << "share" << std::setw(13) << "points/s"
-          << "\n"
-          << std::string(width + 44, '-') << "\n";
-    const auto begin_line = [&](const std::string &name,
-                                const std::string &calls,
-                                const double       seconds) {
-      table << std::left << std::setw(width) << name << std::right
-            << std::setw(10) << calls << std::fixed << std::setprecision(3)
-            << std::setw(12) << seconds << std::setprecision(1) << std::setw(7)
-            << share(seconds, total) << " %" << std::defaultfloat;
+
+  std::string
+  time_headings(const std::string &what, const std::size_t name_width)
+  {
+    std::ostringstream line;
+    line << std::left << std::setw(name_width) << what << std::right
+         << std::setw(10) << "calls" << std::setw(12) << "seconds"
+         << std::setw(9) << "share" << std::setw(12) << "points/s";
+    return line.str();
+  }
+
+
+  std::string
+  time_line(const Phases::Row &row,
+            const double       total,
+            const std::size_t  name_width)
+  {
+    const auto count = [](const double n) {
+      std::ostringstream text;
+      if (n > 0.)
+        text << std::fixed << std::setprecision(0) << n;
+      return text.str();
     };
-    for (const Row &row : rows)
-      {
-        std::ostringstream calls;
-        calls << std::fixed << std::setprecision(0) << row.calls;
-        begin_line(row.name, calls.str(), row.seconds);
-        if (row.points > 0. && row.seconds > 0.)
-          table << std::scientific << std::setprecision(2) << std::setw(13)
-                << row.points / row.seconds << std::defaultfloat;
-        table << "\n";
-      }
-    begin_line("(outside phases)", "", seconds_outside(rows, total));
-    table << "\n" << std::string(width + 44, '-') << "\n";
-    begin_line("total wall time", "", total);
-
-    const unsigned int n_ranks =
-      dealii::Utilities::MPI::n_mpi_processes(communicator);
-    table << "   on " << n_ranks << (n_ranks == 1 ? " rank" : " ranks") << "\n";
-    out << table.str() << std::flush;
+    std::ostringstream line;
+    line << std::left << std::setw(name_width) << row.name << std::right
+         << std::setw(10) << count(row.calls) << std::fixed
+         << std::setprecision(3) << std::setw(12) << row.seconds
+         << std::setprecision(1) << std::setw(7)
+         << (total > 0. ? 100. * row.seconds / total : 0.) << " %";
+    if (row.points_per_second() > 0.)
+      line << std::scientific << std::setprecision(2) << std::setw(12)
+           << row.points_per_second();
+    else if (row.iterations > 0.)
+      line << std::setw(12) << "";
+    if (row.iterations > 0.)
+      line << std::setw(12) << count(row.iterations);
+    return line.str();
   }
 
 
   void
-  Phases::write_json(const std::string &filename) const
+  Phases::print(std::ostream           &out,
+                const std::vector<Row> &rows,
+                const double            total) const
   {
-    const std::vector<Row> rows  = this->rows();
-    const double           total = total_seconds();
+    std::size_t width = 16;
+    for (const Row &row : rows)
+      width = std::max(width, row.name.size());
+    const std::string headings = time_headings("phase", width) + "  iterations";
+    const std::string rule(headings.size(), '-');
 
-    std::string problem;
-    if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
-      {
-        std::ofstream out(filename);
-        out << std::setprecision(9) << "{\n  \"ranks\": "
-            << dealii::Utilities::MPI::n_mpi_processes(communicator)
-            << ",\n  \"total_seconds\": " << total
-            << ",\n  \"seconds_outside_phases\": "
-            << seconds_outside(rows, total) << ",\n  \"phases\": [";
-        const char *separator = "\n";
-        for (const Row &row : rows)
-          {
-            out << separator << "    {\"name\": " << quoted(row.name)
-                << ", \"calls\": " << row.calls
-                << ", \"seconds\": " << row.seconds
-                << ", \"mean_seconds\": " << row.mean_seconds
-                << ", \"share_percent\": " << share(row.seconds, total);
-            if (row.points > 0.)
-              out << ", \"points\": " << std::setprecision(17) << row.points
-                  << std::setprecision(9) << ", \"points_per_second\": "
-                  << (row.seconds > 0. ? row.points / row.seconds : 0.);
-            out << "}";
-            separator = ",\n";
-          }
-        out << "\n  ]\n}\n" << std::flush;
-        if (!out)
-          problem = "the file <" + filename + "> cannot be written";
-      }
-    throw_together(communicator,
-                   "Writing the table of phases",
-                   problem,
-                   "check that its folder exists, may be written to, and "
-                   "that the disk is not full.");
+    Row outside, whole;
+    outside.name    = "(outside phases)";
+    outside.seconds = seconds_outside(rows, total);
+    whole.name      = "total wall time";
+    whole.seconds   = total;
+
+    out << headings << '\n' << rule << '\n';
+    for (const Row &row : rows)
+      out << time_line(row, total, width) << '\n';
+    const unsigned int n_ranks =
+      dealii::Utilities::MPI::n_mpi_processes(communicator);
+    out << time_line(outside, total, width) << '\n'
+        << rule << '\n'
+        << time_line(whole, total, width) << "   on " << n_ranks
+        << (n_ranks == 1 ? " rank" : " ranks") << '\n';
   }
 
 
   std::size_t
-  Phases::find_or_add(const std::string_view phase)
+  Phases::find_or_add(Entries &entries, const std::string_view name)
   {
     // Some ten names: comparing them is faster than any map.
     for (std::size_t i = 0; i < entries.size(); ++i)
-      if (entries[i].name == phase)
+      if (entries[i].name == name)
         return i;
-    entries.push_back({std::string(phase)});
+    entries.emplace_back();
+    entries.back().name = name;
     return entries.size() - 1;
   }
 

@@ -30,7 +30,8 @@ namespace emmy
                      [](const std::string &section) {
                        return std::make_unique<VonMisesParameters<dim>>(
                          section);
-                     }});
+                     },
+                     VonMisesParameters<dim>::card()});
       return materials;
     }();
     return library;

@@ -262,6 +262,19 @@ namespace emmy
     }
   } // namespace
 
+  EffectCard
+  stress_rule_card(const std::string &name)
+  {
+    EffectCard card;
+    card.is_present = name != "conserving";
+    card.name       = stress_rule_effect;
+    card.setting    = "Method/Stress rule other than conserving";
+    card.enters     = "Newton: " + (card.is_present ? name : "another") +
+                  " stress in place of the conserving one";
+    card.ledger_columns = {"stress_rule_loss"};
+    return card;
+  }
+
   std::string
   stress_rule_names()
   {

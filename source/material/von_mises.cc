@@ -6,7 +6,17 @@ namespace emmy
   namespace
   {
     const double sqrt_two_thirds = std::sqrt(2. / 3.);
-  }
+
+    std::vector<Field>
+    history_fields()
+    {
+      return {{"equivalent_plastic_strain",
+               Field::Kind::scalar,
+               "1",
+               "equivalent plastic strain, sum of sqrt(2/3) |plastic strain of "
+               "a step|"}};
+    }
+  } // namespace
 
   template <int dim>
   VonMises<dim>::VonMises(const ElasticConstants &constants,
@@ -19,11 +29,16 @@ namespace emmy
   std::vector<Field>
   VonMises<dim>::history() const
   {
-    return {{"equivalent_plastic_strain",
-             Field::Kind::scalar,
-             "1",
-             "equivalent plastic strain, sum of sqrt(2/3) |plastic strain of "
-             "a step|"}};
+    return history_fields();
+  }
+
+  template <int dim>
+  EffectCard
+  VonMisesParameters<dim>::card()
+  {
+    EffectCard card;
+    card.fields = history_fields();
+    return card;
   }
 
   template <int dim>

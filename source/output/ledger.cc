@@ -124,6 +124,12 @@ namespace emmy
     return all_rows;
   }
 
+  const std::vector<EnergyEntry> &
+  Ledger::energies() const
+  {
+    return sums;
+  }
+
   double
   Ledger::operator[](const std::string &column) const
   {

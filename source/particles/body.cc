@@ -54,7 +54,7 @@ namespace emmy
     if (!shape.empty())
       shape_parameters = shape_library<dim>()
                            .find(shape, section, "Shape")
-                           .make_parameters(section + "/" + shape);
+                           .make(section + "/" + shape);
   }
 
   template <int dim>

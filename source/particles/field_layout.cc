@@ -8,13 +8,20 @@ namespace emmy
     : dim(dim)
   {}
 
+  void
+  FieldLayout::set_effect(const std::string &name)
+  {
+    effect = name;
+  }
+
   unsigned int
   FieldLayout::add(const Field &field)
   {
     if (has(field.name))
       return (*this)[field.name];
-    Field entry  = field;
-    entry.offset = n_components();
+    Field entry    = field;
+    entry.offset   = n_components();
+    entry.asked_by = effect;
     switch (field.kind)
       {
         case Field::Kind::scalar:

@@ -60,6 +60,19 @@ namespace emmy
   {}
 
   template <int dim>
+  EffectCard
+  GimpShapeFunctions<dim>::card()
+  {
+    EffectCard card;
+    card.enters  = "stencils: the nodes of all cells that the box overlaps";
+    card.couples = "the nodes of up to " +
+                   std::to_string(dealii::Utilities::pow(2, dim)) +
+                   " cells, as boxes cross faces; at the start none does";
+    card.phases = {"stencils"};
+    return card;
+  }
+
+  template <int dim>
   void
   GimpShapeFunctions<dim>::set_overlap(const BackgroundGrid<dim> &grid,
                                        Entry                     &entry) const

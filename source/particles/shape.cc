@@ -346,7 +346,7 @@ namespace emmy
                   }});
       if (dim == 3)
         shapes.add({"cylinder",
-                    "circular cylinder between two points; in 3D only",
+                    "circular cylinder between two points",
                     [](const std::string &section) {
                       return std::make_unique<CylinderParameters<dim>>(section);
                     }});

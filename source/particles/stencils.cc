@@ -11,6 +11,16 @@ namespace emmy
   {}
 
   template <int dim>
+  EffectCard
+  LinearShapeFunctions<dim>::card()
+  {
+    EffectCard card;
+    card.enters = "stencils: the nodes of the particle's cell";
+    card.phases = {"stencils"};
+    return card;
+  }
+
+  template <int dim>
   Stencils<dim>
   LinearShapeFunctions<dim>::evaluate(
     const dealii::Particles::ParticleHandler<dim> &particles,

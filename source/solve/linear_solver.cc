@@ -12,6 +12,41 @@ namespace emmy
 {
   namespace TW = dealii::TrilinosWrappers;
 
+  const std::vector<Choice> &
+  linear_solvers()
+  {
+    static const std::vector<Choice> choices{
+      {"automatic",
+       "direct for small systems; else GMRES, and direct where that fails"},
+      {"direct", "LU factorisation"},
+      {"GMRES", "Krylov method with <Preconditioner>, for any matrix"},
+      {"BiCGStab", "Krylov method with <Preconditioner>, needs less memory"}};
+    return choices;
+  }
+
+  const std::vector<Choice> &
+  preconditioners()
+  {
+    static const std::vector<Choice> choices{
+      {"Jacobi", "the diagonal: cheap and weak"},
+      {"ILU", "incomplete factorisation on each rank"},
+      {"ML", "algebraic multigrid, for large systems"}};
+    return choices;
+  }
+
+  namespace
+  {
+    /** The names of choices, as a pattern. */
+    dealii::Patterns::Selection
+    selection(const std::vector<Choice> &choices)
+    {
+      std::vector<std::string> names;
+      for (const Choice &choice : choices)
+        names.push_back(choice.name);
+      return dealii::Patterns::Selection(join(names, "|"));
+    }
+  } // namespace
+
   SolverParameters::SolverParameters(const std::string &path)
     : Section(path)
   {
@@ -21,13 +56,12 @@ namespace emmy
                   "with <Preconditioner>. automatic: direct for small systems; "
                   "else GMRES, and direct where that fails.",
                   prm,
-                  dealii::Patterns::Selection(
-                    "automatic|direct|GMRES|BiCGStab"));
+                  selection(linear_solvers()));
     add_parameter("Preconditioner",
                   preconditioner,
                   "Of the Krylov methods. ML is algebraic multigrid.",
                   prm,
-                  dealii::Patterns::Selection("Jacobi|ILU|ML"));
+                  selection(preconditioners()));
     add_parameter("Linear tolerance",
                   linear_tolerance,
                   "Residual of a Krylov solve, relative to its right-hand "

@@ -130,6 +130,7 @@ namespace emmy
                                            right_side,
                                            newton.linear_tolerance);
       result.linear_iterations += solve.iterations;
+      newton.phases.add_iterations("linear solve", solve.iterations);
       if (solve.is_solved)
         equation.expand(increment);
       else

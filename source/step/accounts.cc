@@ -116,6 +116,72 @@ namespace emmy
     }
   } // namespace
 
+  std::vector<EffectCard>
+  account_cards(const PointMapping &mapping, const bool has_moving_walls)
+  {
+    using Walls = PointMapping::Walls;
+    std::vector<EffectCard> cards(5);
+    EffectCard &lumping = cards[0], &pic = cards[1], &inelastic = cards[2],
+               &unconstrained = cards[3], &moving = cards[4];
+
+    lumping.name           = lumping_effect;
+    lumping.setting        = "Method/Lumping above 0";
+    lumping.enters         = "particles to grid: mass; accounts: a pass over "
+                             "the particles for its loss";
+    lumping.ledger_columns = {"lumping_loss"};
+    lumping.is_present     = mapping.lumping > 0.;
+
+    pic.name           = pic_effect;
+    pic.setting        = "Method/Mapping = PIC or blend";
+    pic.enters         = "grid to particles: velocity; accounts: a pass over "
+                         "the particles for its loss";
+    pic.ledger_columns = {"mapping_loss"};
+    pic.is_present     = mapping.flip_fraction < 1.;
+
+    inelastic.name           = inelastic_walls_effect;
+    inelastic.setting        = "Method/Wall mapping = inelastic";
+    inelastic.enters         = "velocity from momentum: a second solve, with "
+                               "one more mass matrix";
+    inelastic.ledger_columns = {"wall_loss"};
+    inelastic.is_present     = mapping.walls == Walls::inelastic;
+
+    unconstrained.name       = unconstrained_walls_effect;
+    unconstrained.setting    = "Method/Wall mapping = unconstrained";
+    unconstrained.enters     = "velocity from momentum: one more mass matrix";
+    unconstrained.is_present = mapping.walls == Walls::unconstrained;
+
+    moving.name           = moving_walls_effect;
+    moving.setting        = "Boundary conditions/Velocity of a side";
+    moving.enters         = "velocity from momentum, Newton: given values";
+    moving.ledger_columns = {"reaction_work"};
+    moving.is_present     = has_moving_walls;
+    return cards;
+  }
+
+  std::vector<EnergyEntry>
+  account_entries(const StepAccounts &accounts,
+                  const PointMapping &mapping,
+                  const bool          has_moving_walls,
+                  const bool          has_ghost_faces)
+  {
+    using Kind = EnergyEntry::Kind;
+    std::vector<EnergyEntry> entries;
+    if (has_moving_walls)
+      entries.push_back({"reaction_work", Kind::work, accounts.reaction_work});
+    if (mapping.lumping > 0.)
+      entries.push_back(
+        {"lumping_loss", Kind::dissipated, accounts.lumping_loss});
+    if (mapping.flip_fraction < 1.)
+      entries.push_back(
+        {"mapping_loss", Kind::dissipated, accounts.mapping_loss});
+    if (has_ghost_faces)
+      entries.push_back(
+        {"ghost_mass_loss", Kind::dissipated, accounts.ghost_mass_loss});
+    if (mapping.walls == PointMapping::Walls::inelastic)
+      entries.push_back({"wall_loss", Kind::dissipated, accounts.wall_loss});
+    return entries;
+  }
+
   template <int dim>
   StepAccounts
   accounts(const StepData<dim>     &step,
@@ -129,10 +195,18 @@ namespace emmy
     add_works(
       step.start, equation, mapping, displacement, velocity_new, result);
     if (mapping.lumping > 0. || mapping.flip_fraction < 1.)
-      add_mapping_losses(step, layout, mapping, velocity_new, result);
+      {
+        // one pass for both; where both are there, PIC pays
+        const auto timed =
+          effect_scope(step.phases,
+                       mapping.flip_fraction < 1. ? pic_effect
+                                                  : lumping_effect);
+        add_mapping_losses(step, layout, mapping, velocity_new, result);
+      }
     if (step.start.ghost_matrices[0].m() > 0)
       {
-        Vector change = velocity_new;
+        const auto timed  = effect_scope(step.phases, ghost_effect);
+        Vector     change = velocity_new;
         change -= step.start.mapped_velocity;
         result.ghost_mass_loss =
           0.5 * dealii::Utilities::MPI::sum(

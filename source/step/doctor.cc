@@ -162,6 +162,20 @@ namespace emmy
                   dealii::Patterns::Double(1.));
   }
 
+  EffectCard
+  DiagnosisParameters::card() const
+  {
+    EffectCard card;
+    card.name           = "diagnosis";
+    card.setting        = "Diagnosis/Small cuts = true";
+    card.enters         = "after Newton: two more factorisations";
+    card.ledger_columns = {"mass_condition", "jacobian_condition"};
+    card.grid_output    = {"mass_weakness", "jacobian_weakness"};
+    card.phases         = {"diagnosis"};
+    card.is_present     = small_cuts;
+    return card;
+  }
+
   template <int dim>
   ConditionEstimate
   condition_estimate(const Matrix &matrix, const ActiveGrid<dim> &active)

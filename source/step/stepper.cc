@@ -28,7 +28,8 @@ namespace emmy
                         layout,
                         method.mapping,
                         method.balance.ghost_faces(),
-                        method.balance.aggregation())
+                        method.balance.aggregation(),
+                        &phases)
   {}
 
   template <int dim>
@@ -88,15 +89,19 @@ namespace emmy
     for (unsigned int halvings = 0;; ++halvings, solution.time_step *= 0.5)
       {
         const StepData<dim> step{
-          stencils, points, *start, time, solution.time_step};
-        solution.equation     = method.balance.over(step);
+          stencils, points, *start, time, solution.time_step, &phases};
+        solution.equation     = timed("loads and matrices",
+                                  [&] { return method.balance.over(step); });
         solution.displacement = start->mean_velocity;
         solution.displacement *= step.time_step;
         start->active->constraints().set_zero(solution.displacement);
         if (boundary_conditions.has_moving_walls())
-          solution.displacement += start->active->on_walls(
-            boundary_conditions,
-            boundary_conditions.wall_displacements(time, step.time_step));
+          {
+            const auto timed = phases.effect(moving_walls_effect);
+            solution.displacement += start->active->on_walls(
+              boundary_conditions,
+              boundary_conditions.wall_displacements(time, step.time_step));
+          }
         start->active->constraints().expand(solution.displacement);
 
         solution.newton = Newton(solver_parameters, *linear_solver, phases)
@@ -118,6 +123,7 @@ namespace emmy
           }
         if (halvings == limits.maximum_halvings)
           give_up(step, solution);
+        ++solution.halvings;
         solution.notes.push_back(where() + ": " + solution.newton.problem +
                                  "; halved to " + brief(0.5 * step.time_step) +
                                  " s");
@@ -264,6 +270,7 @@ namespace emmy
       "slow it down.");
     if (!method.domain_update)
       return;
+    const auto timed = phases.effect(domain_update_effect);
     (*method.domain_update)(stencils,
                             points,
                             *start->active,
@@ -341,13 +348,17 @@ namespace emmy
     if (!linear_solver)
       linear_solver =
         make_linear_solver(solver_parameters, start.active->n_dofs(), dim);
-    const Vector wall_velocity =
-      boundary_conditions.has_moving_walls()
-        ? start.active->on_walls(boundary_conditions,
-                                 boundary_conditions.wall_velocities(time))
-        : start.active->make_vector();
-    const LinearResult result =
-      map_velocity(method.mapping, wall_velocity, *linear_solver, start);
+    Vector wall_velocity = start.active->make_vector();
+    if (boundary_conditions.has_moving_walls())
+      {
+        const auto timed = phases.effect(moving_walls_effect);
+        wall_velocity =
+          start.active->on_walls(boundary_conditions,
+                                 boundary_conditions.wall_velocities(time));
+      }
+    const LinearResult result = map_velocity(
+      method.mapping, wall_velocity, *linear_solver, start, &phases);
+    phases.add_iterations("velocity from momentum", result.iterations);
     if (result.is_solved)
       return;
     std::string verdict, remedy;
@@ -381,7 +392,7 @@ namespace emmy
     result.time_step = next_time_step(stencils, points, nullptr);
     result.totals    = measure(points, layout, grid.communicator());
     result.energies  = method.balance.energy_entries();
-    for (const EnergyEntry &entry : energy_entries(StepAccounts()))
+    for (const EnergyEntry &entry : account_entries(StepAccounts()))
       result.energies.push_back(entry);
     result.measures = measures();
     result.active_cells =
@@ -413,13 +424,14 @@ namespace emmy
       0.5 * start->mass.matrix_norm_square(solution.velocity);
     result.energies = solution.equation->energies(solution.displacement);
     const StepAccounts books = accounts(
-      StepData<dim>{stencils, points, *start, time, solution.time_step},
+      StepData<dim>{
+        stencils, points, *start, time, solution.time_step, &phases},
       *solution.equation,
       layout,
       method.mapping,
       solution.displacement,
       solution.velocity);
-    for (const EnergyEntry &entry : energy_entries(books))
+    for (const EnergyEntry &entry : account_entries(books))
       result.energies.push_back(entry);
     result.residual_work     = books.residual_work;
     result.newton_iterations = solution.newton.iterations;
@@ -431,6 +443,7 @@ namespace emmy
     result.active_dofs = start->active->n_dofs();
     result.is_damped   = solution.newton.is_damped;
     result.measures    = measures();
+    result.halvings    = solution.halvings;
     result.notes       = solution.notes;
     result.findings    = solution.findings;
     return result;
@@ -438,24 +451,12 @@ namespace emmy
 
   template <int dim>
   std::vector<EnergyEntry>
-  Stepper<dim>::energy_entries(const StepAccounts &accounts) const
+  Stepper<dim>::account_entries(const StepAccounts &accounts) const
   {
-    using Kind = EnergyEntry::Kind;
-    std::vector<EnergyEntry> entries;
-    if (boundary_conditions.has_moving_walls())
-      entries.push_back({"reaction_work", Kind::work, accounts.reaction_work});
-    if (method.mapping.lumping > 0.)
-      entries.push_back(
-        {"lumping_loss", Kind::dissipated, accounts.lumping_loss});
-    if (method.mapping.flip_fraction < 1.)
-      entries.push_back(
-        {"mapping_loss", Kind::dissipated, accounts.mapping_loss});
-    if (method.balance.ghost_faces())
-      entries.push_back(
-        {"ghost_mass_loss", Kind::dissipated, accounts.ghost_mass_loss});
-    if (method.mapping.walls == PointMapping::Walls::inelastic)
-      entries.push_back({"wall_loss", Kind::dissipated, accounts.wall_loss});
-    return entries;
+    return emmy::account_entries(accounts,
+                                 method.mapping,
+                                 boundary_conditions.has_moving_walls(),
+                                 method.balance.ghost_faces() != nullptr);
   }
 
   template <int dim>

@@ -1,3 +1,4 @@
+#include <emmy/step/accounts.h>
 #include <emmy/step/velocity_map.h>
 
 namespace emmy
@@ -7,7 +8,8 @@ namespace emmy
   map_velocity(const PointMapping &mapping,
                const Vector       &wall_velocity,
                LinearSolver       &linear_solver,
-               GridStart<dim>     &start)
+               GridStart<dim>     &start,
+               Phases             *phases)
   {
     const Constraints &constraints = start.active->constraints();
     // the map with and without the essential conditions
@@ -37,6 +39,12 @@ namespace emmy
       {
         Vector             velocity = start.mean_velocity;
         const unsigned int so_far   = result.iterations;
+        // the only solve of unconstrained walls is none too many
+        const auto timed =
+          effect_scope(mapping.walls == PointMapping::Walls::inelastic
+                         ? phases
+                         : nullptr,
+                       inelastic_walls_effect);
         result =
           solve(start.damped_mass_without_walls, Constraints(), velocity);
         result.iterations += so_far;
@@ -53,10 +61,12 @@ namespace emmy
   map_velocity<2>(const PointMapping &,
                   const Vector &,
                   LinearSolver &,
-                  GridStart<2> &);
+                  GridStart<2> &,
+                  Phases *);
   template LinearResult
   map_velocity<3>(const PointMapping &,
                   const Vector &,
                   LinearSolver &,
-                  GridStart<3> &);
+                  GridStart<3> &,
+                  Phases *);
 } // namespace emmy

@@ -1,6 +1,7 @@
 #include <deal.II/base/mpi.h>
 
 #include <emmy/base/exceptions.h>
+#include <emmy/study/catalogue.h>
 #include <emmy/study/program.h>
 #include <emmy/study/run.h>
 #include <emmy/study/scene_parameters.h>
@@ -17,8 +18,11 @@ namespace emmy
       R"(emmy: implicit, energy- and momentum-conserving material point method
 
   emmy FILE.prm [options]          run the scene of a parameter file
-  emmy --check FILE.prm            read it, build the scene, say what it will
-                                   cost; run nothing
+  emmy --check FILE.prm            read it, build the scene, say what each part
+                                   will cost; run nothing
+  emmy --check --all FILE.prm      and what each absent effect would cost
+  emmy --list                      the effects, materials, shapes, shape
+                                   functions and solvers that there are
   emmy --print-parameters          all parameters there are, with units
   emmy --print-parameters FILE.prm all parameters of that file as it sets them
   emmy --version | --help
@@ -36,13 +40,14 @@ In parallel: mpirun -np 2 emmy FILE.prm
       {
         run,
         check,
+        list,
         print_parameters,
         version,
         help
       } task = Task::run;
       std::string              file;
       std::vector<std::string> assignments;
-      bool                     overwrite = false;
+      bool                     overwrite = false, all = false;
     };
 
     CommandLine
@@ -62,6 +67,10 @@ In parallel: mpirun -np 2 emmy FILE.prm
           line.task = CommandLine::Task::print_parameters;
         else if (*word == "--check")
           line.task = CommandLine::Task::check;
+        else if (*word == "--list")
+          line.task = CommandLine::Task::list;
+        else if (*word == "--all")
+          line.all = true;
         else if (*word == "--overwrite")
           line.overwrite = true;
         else if (*word == "--set")
@@ -78,6 +87,16 @@ In parallel: mpirun -np 2 emmy FILE.prm
                  "give one; start emmy once per file.");
         else
           line.file = *word;
+      if (line.all && line.task != CommandLine::Task::check)
+        refuse("--all without --check",
+               "write emmy --check --all FILE.prm to see what the effects "
+               "would cost that the scene does not have.");
+      if (line.task == CommandLine::Task::list &&
+          !(line.file.empty() && line.assignments.empty()))
+        refuse("--list with <" + (line.file.empty() ? "--set" : line.file) +
+                 ">",
+               "give --list alone: it lists what there is for any file. emmy "
+               "--check FILE.prm says what a file uses.");
       if (line.file.empty() && (line.task == CommandLine::Task::run ||
                                 line.task == CommandLine::Task::check))
         refuse("no parameter file",
@@ -104,8 +123,9 @@ In parallel: mpirun -np 2 emmy FILE.prm
       else
         {
           RunOptions options;
-          options.only_check = line.task == CommandLine::Task::check;
-          options.overwrite  = line.overwrite;
+          options.only_check  = line.task == CommandLine::Task::check;
+          options.with_absent = line.all;
+          options.overwrite   = line.overwrite;
           run<dim>(file, options, MPI_COMM_WORLD);
         }
     }
@@ -119,6 +139,12 @@ In parallel: mpirun -np 2 emmy FILE.prm
           if (is_first)
             std::cout << (line.task == Task::help ? help
                                                   : "emmy " EMMY_VERSION "\n");
+          return;
+        }
+      if (line.task == Task::list)
+        {
+          if (is_first)
+            print_catalogue(std::cout);
           return;
         }
       ParameterFile file =

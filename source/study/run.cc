@@ -4,7 +4,9 @@
 #include <emmy/output/progress.h>
 #include <emmy/output/run_directory.h>
 #include <emmy/study/frames.h>
+#include <emmy/study/price.h>
 #include <emmy/study/run.h>
+#include <emmy/study/scene_card.h>
 
 #include <unistd.h>
 
@@ -37,9 +39,9 @@ namespace emmy
     /** What is known of a run on the way. */
     struct Course
     {
-      StepReport   report;              ///< of the last accepted step
-      double       largest_energy = 0.; ///< of all steps, J
-      unsigned int n_damped       = 0;  ///< steps with a damped matrix
+      StepReport report;              ///< of the last accepted step
+      double     largest_energy = 0.; ///< of all steps, J
+      RunCounts  counts;
     };
 
     /** The closing lines of a run: what was conserved, and how well. */
@@ -56,23 +58,17 @@ namespace emmy
           smallest        = row == 1 ? dt : std::min(smallest, dt);
           largest         = std::max(largest, dt);
         }
-      const auto &names = ledger.columns();
       out << "steps " << ledger["step"] << ", t = " << ledger["time"]
           << " s, time step " << smallest << " to " << largest << " s\n"
           << "kinetic + stored energy " << ledger.total_energy()
           << " J, at the start " << initial.totals.kinetic_energy << " J\n";
-      // what was dissipated, lost or brought in, where it is not zero
-      auto name = std::find(names.begin(), names.end(), "strain_energy");
-      for (; name != names.end() && *name != "residual_work"; ++name)
-        if (*name != "strain_energy" && *name != "hardening_energy" &&
-            ledger[*name] != 0.)
-          out << "  " << *name << ' ' << ledger[*name] << " J\n";
       out << "work of residuals " << ledger["residual_work"] << " J\n"
           << "balance error " << ledger["balance_error"] << " J";
       if (course.largest_energy > 0.)
         out << ", " << std::abs(ledger["balance_error"]) / course.largest_energy
             << " of the largest energy";
       out << '\n';
+      const auto &names = ledger.columns();
       for (const auto &[column, matrix] :
            {std::make_pair("mass_condition", "mass matrix"),
             std::make_pair("jacobian_condition", "Jacobian")})
@@ -90,9 +86,12 @@ namespace emmy
           out << "largest condition of the scaled " << matrix << ' '
               << worst[name] << ", at step " << worst[0] << '\n';
         }
-      if (course.n_damped > 0)
-        out << "steps that needed a damped Newton matrix: " << course.n_damped
+      if (course.counts.halvings > 0)
+        out << "times a step was halved: " << course.counts.halvings
             << " (named in run.log)\n";
+      if (course.counts.damped > 0)
+        out << "steps that needed a damped Newton matrix: "
+            << course.counts.damped << " (named in run.log)\n";
     }
 
     /**
@@ -127,7 +126,9 @@ namespace emmy
           frames.after(report);
           course.largest_energy =
             std::max(course.largest_energy, ledger.total_energy());
-          course.n_damped += report.is_damped;
+          ++course.counts.steps;
+          course.counts.halvings += report.halvings;
+          course.counts.damped += report.is_damped;
           progress.step(report.step,
                         report.time,
                         report.time_step,
@@ -159,10 +160,14 @@ namespace emmy
     parameters.solver.validate(); // not only when the first step needs it
     Scene<dim>       scene(parameters, communicator);
     const StepReport initial = scene.stepper.initial_report();
+    const SceneCard  card    = [&] {
+      const auto timed = scene.phases.scope("scene card");
+      return make_card(scene, parameters, options.with_absent);
+    }();
 
     if (options.only_check)
       {
-        scene.describe(screen, initial);
+        scene.describe(screen, initial, card, options.with_absent);
         list_unused_sections(file, parameters, screen);
         return;
       }
@@ -182,7 +187,7 @@ namespace emmy
 
     std::ostringstream head;
     head << "emmy " EMMY_VERSION ": " << directory.path() << '\n';
-    scene.describe(head, initial);
+    scene.describe(head, initial, card, /*with_absent=*/false);
     list_unused_sections(file, parameters, head);
     screen << head.str() << std::flush;
     log << head.str() << std::flush;
@@ -202,7 +207,7 @@ namespace emmy
     // ranks throw it together; any other error passes, as one rank alone can
     // not finish the output.
     std::exception_ptr failure;
-    Course             course{initial, ledger.total_energy(), 0};
+    Course             course{initial, ledger.total_energy(), {}};
     try
       {
         advance_to_end(
@@ -221,10 +226,15 @@ namespace emmy
     std::ostringstream tail;
     tail << "linear solver " << scene.stepper.solver_name() << '\n';
     summarise(tail, ledger, initial, course);
-    scene.phases.print(tail);
+    std::vector<EffectCard> present;
+    for (const CountedEffect &effect : card.effects)
+      if (effect.card.is_present)
+        present.push_back(effect.card);
+    const Price price(scene.phases, present, communicator);
+    price.print(tail, ledger);
     screen << tail.str() << std::flush;
     log << tail.str() << std::flush;
-    scene.phases.write_json(directory.file("timing.json"));
+    price.write_json(directory.file("timing.json"), ledger, course.counts);
     if (failure)
       std::rethrow_exception(failure);
     screen << "results in " << directory.path() << '\n';

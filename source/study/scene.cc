@@ -2,8 +2,8 @@
 #include <emmy/assembly/internal_force.h>
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
-#include <emmy/particles/gimp.h>
 #include <emmy/study/scene.h>
+#include <emmy/study/scene_card.h>
 
 #include <algorithm>
 #include <cmath>
@@ -78,18 +78,32 @@ namespace emmy
     template <int dim>
     Effects<dim>
     make_effects(const SceneParameters<dim>               &parameters,
+                 const std::vector<Body<dim>>             &bodies,
                  const std::vector<const Material<dim> *> &material_of_body,
                  FieldLayout                              &layout)
     {
+      std::vector<std::string> names_of_materials;
+      for (const Body<dim> &body : bodies)
+        names_of_materials.push_back(
+          material_effect(parameters.material_names.names[body.material]));
+
       Effects<dim> effects;
       effects.material_of_body = material_of_body;
       effects.terms.push_back(std::make_unique<Inertia<dim>>());
+      effects.name_new(Inertia<dim>::card().name);
+      layout.set_effect(internal_force_effect);
       effects.terms.push_back(std::make_unique<InternalForce<dim>>(
         material_of_body,
         layout,
-        stress_rule<dim>(parameters.method.stress_rule)));
+        stress_rule<dim>(parameters.method.stress_rule),
+        names_of_materials));
+      effects.name_new(internal_force_effect);
       for (const std::string &name : parameters.effect_names.names)
-        parameters.effects.at(name)->add_to(effects, layout);
+        {
+          layout.set_effect(name);
+          parameters.effects.at(name)->add_to(effects, layout);
+          effects.name_new(name);
+        }
       return effects;
     }
 
@@ -97,9 +111,10 @@ namespace emmy
     std::unique_ptr<ShapeFunctions<dim>>
     make_shape_functions(const MethodParameters &method, FieldLayout &layout)
     {
-      if (method.shape_functions == "GIMP")
-        return std::make_unique<GimpShapeFunctions<dim>>(layout);
-      return std::make_unique<LinearShapeFunctions<dim>>(layout["body"]);
+      layout.set_effect(method.shape_functions);
+      return shape_function_library<dim>()
+        .find(method.shape_functions, method.path(), "Shape functions")
+        .make(layout);
     }
 
     /** Without walls there is no choice of what the map does at them. */
@@ -130,8 +145,9 @@ namespace emmy
                  const BackgroundGrid<dim>    &grid,
                  FieldLayout                  &layout)
     {
-      if (method.shape_functions != "GIMP")
-        return nullptr;
+      if (!layout.has("half_length"))
+        return nullptr; // particles are points
+      layout.set_effect(domain_update_effect);
       return make_domain_update(method.domain_update, bodies, grid, layout);
     }
   } // namespace
@@ -146,7 +162,7 @@ namespace emmy
     , bodies(make_bodies(parameters, materials))
     , material_of_body(materials_of(bodies, materials))
     , layout(basic_fields(dim))
-    , balance(make_effects(parameters, material_of_body, layout))
+    , balance(make_effects(parameters, bodies, material_of_body, layout))
     , shape_functions(make_shape_functions<dim>(parameters.method, layout))
     , domain_update(make_updates(parameters.method, bodies, grid, layout))
     , mapping(make_mapping(parameters.method, boundary_conditions, balance))
@@ -185,7 +201,10 @@ namespace emmy
 
   template <int dim>
   void
-  Scene<dim>::describe(std::ostream &out, const StepReport &initial) const
+  Scene<dim>::describe(std::ostream     &out,
+                       const StepReport &initial,
+                       const SceneCard  &card,
+                       const bool        with_absent) const
   {
     const MPI_Comm communicator = grid.communicator();
     const auto     line         = [&out](const std::string &what) -> auto &
@@ -222,7 +241,7 @@ namespace emmy
       }
     const MethodParameters &method = parameters.method;
     line("method") << method.shape_functions
-                   << (method.shape_functions == "GIMP"
+                   << (layout.has("half_length")
                          ? " (domains: " + method.domain_update + ")"
                          : std::string())
                    << ", " << method.mapping << ", lumping " << mapping.lumping
@@ -236,33 +255,16 @@ namespace emmy
                     << '\n';
     for (const std::string &note : notes)
       line("") << note << '\n';
-    for (const auto &[name, effect] : parameters.effects)
-      {
-        const auto &named = parameters.effect_names.names;
-        (void)effect;
-        if (std::find(named.begin(), named.end(), name) == named.end())
-          line("  not used") << name << '\n';
-      }
-    // properties, position twice (real and reference cell), id; then two
-    // copies of all states, and the stencils
-    const std::size_t bytes = 8 * (layout.n_components() + 2 * dim) + 4;
-    const std::size_t step_bytes =
-      8 * (2 * (layout.n_components() + dim) +
-           (method.shape_functions == "GIMP"
-              ? dealii::Utilities::pow(3, dim)
-              : BackgroundGrid<dim>::nodes_per_cell) *
-             (dim + 1));
     // mass, damped mass with and without walls, tangent: a number and an index
     // per entry
-    const double matrix_bytes =
-      (mapping.walls == PointMapping::Walls::constrained ? 3. : 4.) * 12. *
-      stepper.grid_start().mass.n_nonzero_elements();
+    const double       matrix_bytes = 12. * card.n_matrices * card.nonzeros;
+    const unsigned int bytes        = card.particle_bytes();
     line("particles") << initial.totals.particles << ", "
                       << layout.n_components() << " numbers each, " << bytes
                       << " bytes, together "
                       << bytes * initial.totals.particles / 1e6 << " MB\n";
-    line("work arrays") << step_bytes * initial.totals.particles / 1e6
-                        << " MB for the points of a step, "
+    line("work arrays") << card.point_bytes / 1e6
+                        << " MB for the points of the first step, "
                         << matrix_bytes / 1e6 << " MB for matrices\n";
     line("mass") << initial.totals.mass << " kg\n";
     line("kinetic energy") << std::setprecision(16)
@@ -278,6 +280,7 @@ namespace emmy
                   << (limit > 0 ? std::min<double>(limit, n_steps) : n_steps)
                   << ", to t = " << parameters.time.end_time << " s"
                   << (limit > 0 ? " or the limit of steps" : "") << '\n';
+    card.print(out, with_absent);
   }
 
   template <int dim>

@@ -1,6 +1,7 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
 #include <emmy/material/stress_rules.h>
+#include <emmy/particles/stencils.h>
 #include <emmy/study/scene_parameters.h>
 #include <emmy/transfer/domain_update.h>
 
@@ -35,7 +36,8 @@ namespace emmy
     add_parameter("Names", names, documentation);
   }
 
-  MethodParameters::MethodParameters()
+  MethodParameters::MethodParameters(
+    const std::vector<std::string> &shape_function_names)
     : Section("Method")
   {
     add_parameter("Shape functions",
@@ -44,7 +46,7 @@ namespace emmy
                   "MPM). GIMP: particles are boxes, which reach the nodes of "
                   "all cells that they overlap.",
                   prm,
-                  Selection("linear|GIMP"));
+                  Selection(join(shape_function_names, "|")));
     add_parameter("Domain update",
                   domain_update,
                   "How the boxes of GIMP follow the deformation gradient F. "
@@ -243,6 +245,7 @@ namespace emmy
                    "force: " +
                      join(effect_library<dim>().names()) +
                      ". What is not named costs nothing.")
+    , method(shape_function_library<dim>().names())
   {
     // The file names things; each name brings a section, each model its
     // parameters. The handler prints in the order of declaration.
@@ -254,9 +257,8 @@ namespace emmy
                        section,
                        "Model",
                        material_library<dim>().names());
-        materials.push_back(material_library<dim>()
-                              .find(model, section, "Model")
-                              .make_parameters(section));
+        materials.push_back(
+          material_library<dim>().find(model, section, "Model").make(section));
       }
     for (const std::string &name : names_in(file, "Bodies"))
       {
@@ -268,7 +270,7 @@ namespace emmy
     for (const std::string &name : names_in(file, "Effects"))
       effect_library<dim>().find(name, "Effects", "Names");
     for (const auto &entry : effect_library<dim>().list())
-      effects[entry.name] = entry.make_parameters(effect_section(entry.name));
+      effects[entry.name] = entry.make(effect_section(entry.name));
 
     file.parse(dealii::ParameterAcceptor::prm);
     dealii::ParameterAcceptor::parse_all_parameters();

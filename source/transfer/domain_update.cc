@@ -306,12 +306,25 @@ namespace emmy
     return nullptr;
   }
 
-#define INSTANTIATE(dim)                                               \
-  template class DomainUpdate<dim>;                                    \
-  template std::unique_ptr<DomainUpdate<dim>> make_domain_update<dim>( \
-    const std::string &,                                               \
-    const std::vector<Body<dim>> &,                                    \
-    const BackgroundGrid<dim> &,                                       \
+  template <int dim>
+  EffectCard
+  domain_update_card(const DomainUpdate<dim> *update)
+  {
+    EffectCard card;
+    card.name       = domain_update_effect;
+    card.setting    = "Method/Domain update, with GIMP";
+    card.enters     = "after Newton: sizes of the particles' domains";
+    card.is_present = update != nullptr;
+    return card;
+  }
+
+#define INSTANTIATE(dim)                                                  \
+  template class DomainUpdate<dim>;                                       \
+  template EffectCard domain_update_card<dim>(const DomainUpdate<dim> *); \
+  template std::unique_ptr<DomainUpdate<dim>> make_domain_update<dim>(    \
+    const std::string &,                                                  \
+    const std::vector<Body<dim>> &,                                       \
+    const BackgroundGrid<dim> &,                                          \
     FieldLayout &);
   INSTANTIATE(2)
   INSTANTIATE(3)

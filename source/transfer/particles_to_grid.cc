@@ -29,12 +29,14 @@ namespace emmy
     const FieldLayout             &layout,
     const PointMapping            &mapping,
     const GhostFaces<dim>         *find_ghost_faces,
-    const Aggregation<dim>        *aggregate)
+    const Aggregation<dim>        *aggregate,
+    Phases                        *phases)
     : grid(grid)
     , boundary_conditions(boundary_conditions)
     , mapping(mapping)
     , find_ghost_faces(find_ghost_faces)
     , aggregate(aggregate)
+    , phases(phases)
     , mass_component(layout["mass"])
     , velocity_component(layout["velocity"])
   {
@@ -49,10 +51,16 @@ namespace emmy
                                    const PointArrays<dim> &points)
   {
     if (find_ghost_faces)
-      start.ghost_faces =
-        (*find_ghost_faces)(stencils, grid, boundary_conditions);
+      {
+        const auto timed = effect_scope(phases, ghost_effect);
+        start.ghost_faces =
+          (*find_ghost_faces)(stencils, grid, boundary_conditions);
+      }
     if (aggregate)
-      start.aggregates = (*aggregate)(stencils, points, grid);
+      {
+        const auto timed = effect_scope(phases, aggregation_effect);
+        start.aggregates = (*aggregate)(stencils, points, grid);
+      }
     if (!start.active ||
         !start.active->fits(stencils, start.ghost_faces, start.aggregates))
       {
@@ -141,7 +149,11 @@ namespace emmy
         if (without_walls)
           start.damped_mass_without_walls.add(dofs, cell_mass);
       }
-    add_ghost_mass();
+    if (find_ghost_faces)
+      {
+        const auto timed = effect_scope(phases, ghost_effect);
+        add_ghost_mass();
+      }
     start.mass.compress(dealii::VectorOperation::add);
     start.damped_mass.compress(dealii::VectorOperation::add);
     if (without_walls)

@@ -55,6 +55,10 @@ emmy_run "$example/block.prm" --set 'Materials/gum/Model=neo-Hook'
 check 'an unknown model is an error' [ "$status" -eq 1 ]
 check 'the message knows the new one' says err 'did you mean <neo-Hooke>?'
 check 'and lists it' says err 'Known are: Hencky, von Mises, neo-Hooke.'
+emmy_run --list
+check 'the list of what there is has it' has_lines 1 out '^  neo-Hooke +neo-Hooke elasticity$'
+emmy_run --check --all "$example/block.prm"
+check 'the scene card has it' matches out '^    material gum +0 +0  Newton, internal force: neo-Hooke$'
 emmy_run --print-parameters
 check 'the reference of parameters has it' matches out 'set Model += neo-Hooke'
 

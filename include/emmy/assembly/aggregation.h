@@ -18,6 +18,9 @@ namespace emmy
     void
     add_to(Effects<dim> &effects, FieldLayout &layout) const override;
 
+    static EffectCard
+    card();
+
   private:
     double mass_threshold = dim == 2 ? 0.2 : 0.1; // theta
   };

@@ -3,6 +3,7 @@
 
 #include <emmy/assembly/step_report.h>
 #include <emmy/base/library.h>
+#include <emmy/base/phases.h>
 #include <emmy/base/section.h>
 #include <emmy/transfer/particles_to_grid.h>
 
@@ -21,6 +22,8 @@ namespace emmy
     const GridStart<dim>   &start;     ///< mass, momentum, velocity at t
     double                  time;      ///< t, s
     double                  time_step; ///< s
+    /** Where the time of effects is booked; null: nowhere. */
+    Phases *phases = nullptr;
   };
 
   /** A displacement that Newton tries. */
@@ -122,6 +125,17 @@ namespace emmy
 
     /** Borrowed; one per body. There before the first effect is added. */
     std::vector<const Material<dim> *> material_of_body;
+
+    /** Whose the terms and loads are, in the table of times. */
+    std::vector<std::string> term_names, load_names;
+
+    /** Book the terms and loads that have no name yet to an effect. */
+    void
+    name_new(const std::string &effect)
+    {
+      term_names.resize(terms.size(), effect);
+      load_names.resize(loads.size(), effect);
+    }
   };
 
   /** The section of an effect, e.g. "Effects/Gravity". */

@@ -15,6 +15,9 @@ namespace emmy
     void
     add_to(Effects<dim> &effects, FieldLayout &layout) const override;
 
+    static EffectCard
+    card();
+
   private:
     double mass_penalty = 0.25, stiffness_penalty = 0.01; // gamma_M, gamma_K
   };

@@ -15,6 +15,9 @@ namespace emmy
     void
     add_to(Effects<dim> &effects, FieldLayout &layout) const override;
 
+    static EffectCard
+    card();
+
   private:
     std::vector<double> acceleration; // m/s^2
     AmplitudeParameters amplitude;

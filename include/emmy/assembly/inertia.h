@@ -14,6 +14,9 @@ namespace emmy
   class Inertia : public ForceTerm<dim>
   {
   public:
+    static EffectCard
+    card();
+
     std::string
     add(const StepData<dim> &step,
         const Iterate<dim>  &iterate,

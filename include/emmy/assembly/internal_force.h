@@ -1,11 +1,16 @@
 #ifndef emmy_assembly_internal_force_h
 #define emmy_assembly_internal_force_h
 
+#include <deal.II/lac/full_matrix.h>
+
 #include <emmy/assembly/force_term.h>
 #include <emmy/material/stress_rules.h>
 
 namespace emmy
 {
+  /** The name of the internal force, in the table of times. */
+  constexpr const char *internal_force_effect = "internal force";
+
   /**
    * Internal force f_A = sum V0_p P_p grad S_Ap with the nominal stress P of a
    * stress rule, relative to the configuration at t (Pretti et al. 2023, eq.
@@ -25,10 +30,23 @@ namespace emmy
      * @param material_of_body borrowed; one per body
      * @param layout           asked for the fields of the particles' state
      * @param rule             what stress acts during a step
+     * @param names            of the materials, one per body, for the price of
+     *   each; none: not wanted
      */
     InternalForce(std::vector<const Material<dim> *> material_of_body,
                   FieldLayout                       &layout,
-                  const StressRule<dim> &rule = stress_rule<dim>("conserving"));
+                  const StressRule<dim> &rule = stress_rule<dim>("conserving"),
+                  std::vector<std::string> names = {});
+
+    static EffectCard
+    card();
+
+    /**
+     * The card of a material whose fields are its history, with what the
+     * internal force keeps beside that. Without history nothing is added.
+     */
+    static EffectCard
+    with_history(EffectCard material);
 
     std::string
     add(const StepData<dim> &step,
@@ -64,7 +82,28 @@ namespace emmy
     static std::unique_ptr<const InelasticFields>
     add_inelastic_fields(
       const std::vector<const Material<dim> *> &material_of_body,
+      const std::vector<std::string>           &names,
       FieldLayout                              &layout);
+
+    /** What add() works on and with. */
+    struct Assembly
+    {
+      StressBatch<dim>                             batch;
+      std::vector<double>                          nodal_force;
+      dealii::FullMatrix<double>                   stiffness;
+      std::vector<dealii::types::global_dof_index> dofs;
+    };
+
+    /**
+     * Add a group to the nodal forces and, unless null, to the matrix.
+     * @return what is wrong, if anything
+     */
+    std::string
+    add_group(const StepData<dim> &step,
+              const Iterate<dim>  &iterate,
+              const Group         &group,
+              Assembly            &work,
+              Matrix              *jacobian) const;
 
     /**
      * The stress of up to max_batch_points points of a group, from point
@@ -107,6 +146,7 @@ namespace emmy
     work(const StepData<dim> &step, const Vector &displacement) const;
 
     const std::vector<const Material<dim> *> material_of_body;
+    const std::vector<std::string>           names; // one per body, or none
     const StressRule<dim>                    rule;
     const unsigned int reference_volume, left_cauchy_green, kirchhoff_stress,
       strain_energy_density;

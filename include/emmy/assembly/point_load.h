@@ -24,6 +24,9 @@ namespace emmy
     void
     add_to(Effects<dim> &effects, FieldLayout &layout) const override;
 
+    static EffectCard
+    card();
+
   private:
     /** Throws ExcParameter. */
     void

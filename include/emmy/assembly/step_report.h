@@ -48,6 +48,8 @@ namespace emmy
     double        residual_work     = 0.;
     unsigned int  newton_iterations = 0, linear_iterations = 0;
     std::uint64_t active_cells = 0, active_dofs = 0;
+    /** How often the step was tried again with half its size. */
+    unsigned int halvings = 0;
     /** Whether Newton converged only with a damped matrix. */
     bool is_damped = false;
     /** What was measured besides; the same names in all reports. */

@@ -28,6 +28,8 @@ namespace emmy
     std::vector<double> initial      = {};
     unsigned int        n_components = 0; ///< set by the layout
     unsigned int        offset       = 0; ///< set by the layout
+    /** The effect that asked first; set by the layout. */
+    std::string asked_by = {};
   };
 } // namespace emmy
 

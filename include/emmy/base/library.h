@@ -1,6 +1,7 @@
 #ifndef emmy_base_library_h
 #define emmy_base_library_h
 
+#include <emmy/base/effect_card.h>
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
 
@@ -15,25 +16,28 @@ namespace emmy
   /**
    * An ordered list of the things of one kind that a parameter file can name:
    * materials, shapes, effects, ... Each has a name, one line that says what
-   * it is, and a maker of its parameters. Outside code adds to it before a
-   * parameter file is read.
+   * it is (emmy --list prints it), a maker, and what it costs. Outside code
+   * adds to it before a parameter file is read.
    *
-   * @tparam Parameters a class derived from ParameterAcceptor (a "section")
-   *   that knows how to build the thing it describes.
+   * @tparam Product  what is made: most often parameters, a class derived from
+   *   ParameterAcceptor (a "section") that knows how to build the thing it
+   *   describes; for things without parameters the thing itself.
+   * @tparam Argument of the maker; for parameters the path of the section,
+   *   e.g. "Materials/rubber"
    */
-  template <class Parameters>
+  template <class Product, class Argument = const std::string &>
   class Library
   {
   public:
-    /** Makes the parameters of one thing, declared in a section. */
-    using Maker = std::function<std::unique_ptr<Parameters>(
-      const std::string & /* section path, e.g. "Materials/rubber" */)>;
+    using Maker = std::function<std::unique_ptr<Product>(Argument)>;
 
     struct Entry
     {
       std::string name;
       std::string description;
-      Maker       make_parameters;
+      Maker       make;
+      /** For the scene card. Name and setting are filled in by the scene. */
+      EffectCard card = {};
     };
 
     /** Add an entry; a name that is there already is replaced. */

@@ -20,18 +20,20 @@ namespace emmy
    * @code
    *   const auto timed = phases.scope("particles to grid");
    * @endcode
+   * Within and across phases, the time of effects is booked a second time by
+   * name, for their price: see effect().
    *
    * One object per run, owned by the run loop and lent to the step and the
    * solver. A scope costs two readings of the clock and a look-up among a few
    * names, well below a microsecond; it does not communicate. Ranks are
-   * combined in print() and write_json() only, where the seconds of a phase
-   * are those of its slowest rank. (dealii::TimerOutput communicates whenever
-   * a section ends.)
+   * combined in rows(), effects() and print() only, where the seconds of a
+   * phase are those of its slowest rank. (dealii::TimerOutput communicates
+   * whenever a section ends.)
    */
   class Phases
   {
   public:
-    /** Times one phase from its construction to its destruction. */
+    /** Times a phase or an effect from its construction to its destruction. */
     class [[nodiscard]] Scope
     {
     public:
@@ -42,23 +44,36 @@ namespace emmy
 
     private:
       friend class Phases;
-      Scope(Phases &phases, const std::size_t index);
+      friend Scope
+      effect_scope(Phases *, const std::string_view);
+      /** Times nothing. */
+      Scope() = default;
+      Scope(Phases &phases, const std::size_t index, const bool is_effect);
 
-      Phases                                     &phases;
-      const std::size_t                           index;
-      const std::chrono::steady_clock::time_point start;
+      Phases                                     *phases    = nullptr;
+      const std::size_t                           index     = 0;
+      const bool                                  is_effect = false;
+      const std::size_t                           outer     = no_effect;
+      const std::chrono::steady_clock::time_point start     = {};
     };
 
-    /**
-     * The combined times of one phase.
-     */
+    /** The combined times of one phase or effect. */
     struct Row
     {
       std::string name;
+      std::string within; ///< the effect that it is a part of; empty: none
       double      calls        = 0.; ///< most calls on any rank
       double      seconds      = 0.; ///< of the slowest rank
       double      mean_seconds = 0.; ///< average over the ranks
       double      points       = 0.; ///< sum over the ranks; 0: not counted
+      double      iterations   = 0.; ///< of linear solvers; 0: none
+
+      /** 0 if not counted. */
+      double
+      points_per_second() const
+      {
+        return seconds > 0. ? points / seconds : 0.;
+      }
     };
 
     /** The clock of the total starts here. */
@@ -72,11 +87,27 @@ namespace emmy
     scope(const std::string_view phase);
 
     /**
+     * Book the time until the returned object ends to an effect, within or
+     * outside a phase. Within the scope of another effect it is a part of that
+     * one's time; a name always has the same place.
+     */
+    Scope
+    effect(const std::string_view name);
+
+    /**
      * Note that the phase dealt with @p n_points more points (or other
      * items) on this rank, for the column "points per second".
      */
     void
     add_count(const std::string_view phase, const std::size_t n_points);
+
+    /** The same for the points of an effect. */
+    void
+    add_effect_count(const std::string_view effect, const std::size_t n_points);
+
+    /** Note iterations of the linear solver in a phase; all ranks do. */
+    void
+    add_iterations(const std::string_view phase, const std::size_t n);
 
     /**
      * Collective: the phases in the order of their first use, combined over
@@ -85,43 +116,81 @@ namespace emmy
     std::vector<Row>
     rows() const;
 
-    /**
-     * Collective: a table with one line per phase (calls, seconds, share of
-     * the total, points per second), the time outside all phases, and the
-     * total. Only rank 0 writes to @p out.
-     */
-    void
-    print(std::ostream &out) const;
-
-    /**
-     * Collective: the same numbers as a JSON file, written by rank 0. Throws
-     * ExcRun on all ranks if the file cannot be written.
-     */
-    void
-    write_json(const std::string &filename) const;
-
-  private:
-    struct Entry
-    {
-      std::string name;
-      std::size_t calls   = 0;
-      double      seconds = 0.;
-      std::size_t points  = 0;
-    };
-
-    /** The index of the phase, which is new if the name is. */
-    std::size_t
-    find_or_add(const std::string_view phase);
+    /** Collective: the effects, in the same way. */
+    std::vector<Row>
+    effects() const;
 
     /** Collective: seconds since construction, of the slowest rank. */
     double
     total_seconds() const;
 
+    /**
+     * Seconds of the run that no phase accounts for, on average.
+     * @param rows,total what rows() and total_seconds() returned
+     */
+    static double
+    seconds_outside(const std::vector<Row> &rows, const double total);
+
+    /**
+     * A table with one line per phase (calls, seconds, share of the total,
+     * points per second, iterations), the time outside all phases, and the
+     * total. For rank 0.
+     *
+     * @param rows,total what rows() and total_seconds() returned
+     */
+    void
+    print(std::ostream           &out,
+          const std::vector<Row> &rows,
+          const double            total) const;
+
+  private:
+    struct Entry
+    {
+      std::string name, within;
+      std::size_t calls      = 0;
+      double      seconds    = 0.;
+      std::size_t points     = 0;
+      std::size_t iterations = 0;
+    };
+    using Entries = std::vector<Entry>;
+
+    static constexpr std::size_t no_effect = static_cast<std::size_t>(-1);
+
+    /** The index of a name, which is new if the name is. */
+    static std::size_t
+    find_or_add(Entries &entries, const std::string_view name);
+
+    /** Collective. */
+    std::vector<Row>
+    combined(const Entries &entries) const;
+
     const MPI_Comm                              communicator;
     const std::chrono::steady_clock::time_point start;
-    std::vector<Entry>                          entries;
-    bool                                        scope_is_open = false;
+    Entries                                     phases, effects_of_run;
+    bool                                        phase_is_open = false;
+    std::size_t open_effect = no_effect; ///< the innermost
   };
+
+  /** Phases::effect() where there is a table of phases; null: nothing. */
+  inline Phases::Scope
+  effect_scope(Phases *phases, const std::string_view effect)
+  {
+    return phases ? phases->effect(effect) : Phases::Scope();
+  }
+
+  /**
+   * A line of a table of times: name, calls, seconds, share of @p total,
+   * points per second, iterations; what was not counted stays empty. No line
+   * break.
+   */
+  std::string
+  time_line(const Phases::Row &row,
+            const double       total,
+            const std::size_t  name_width);
+
+  /** The headings of such lines, up to the points. */
+  std::string
+  time_headings(const std::string &what, const std::size_t name_width);
 } // namespace emmy
 
 #endif

@@ -107,6 +107,13 @@ namespace emmy
     virtual std::unique_ptr<Material<dim>>
     make() const = 0;
 
+    /** The value of <Model>. */
+    const std::string &
+    model_name() const
+    {
+      return model;
+    }
+
   private:
     std::string model; // decides, before this is made, what is made
   };

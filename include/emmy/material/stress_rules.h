@@ -1,6 +1,7 @@
 #ifndef emmy_material_stress_rules_h
 #define emmy_material_stress_rules_h
 
+#include <emmy/base/effect_card.h>
 #include <emmy/material/material.h>
 
 #include <string>
@@ -84,6 +85,13 @@ namespace emmy
     /** Whether P : H is the change of psi plus the dissipation. */
     bool is_conserving;
   };
+
+  /** The name of a rule that does not conserve, in the table of times. */
+  constexpr const char *stress_rule_effect = "stress rule";
+
+  /** What such a rule costs; present unless @p name is the conserving one. */
+  EffectCard
+  stress_rule_card(const std::string &name);
 
   /** The names of the rules, separated by |. */
   std::string

@@ -64,6 +64,9 @@ namespace emmy
     std::unique_ptr<Material<dim>>
     make() const override;
 
+    static EffectCard
+    card();
+
   private:
     ElasticConstants constants;
     double           yield_stress      = 0.; // Pa; 0 = not given

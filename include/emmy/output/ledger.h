@@ -48,6 +48,10 @@ namespace emmy
     const std::vector<Row> &
     rows() const;
 
+    /** What each cause did to the energy so far. */
+    const std::vector<EnergyEntry> &
+    energies() const;
+
     /** A value of the last row. */
     double
     operator[](const std::string &column) const;

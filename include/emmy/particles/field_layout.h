@@ -18,6 +18,10 @@ namespace emmy
   public:
     explicit FieldLayout(const unsigned int dim);
 
+    /** Book the fields that are asked for from now on to an effect. */
+    void
+    set_effect(const std::string &name);
+
     /**
      * Ask for a field; asking twice is the same as once.
      * @return the index of its first component.
@@ -45,6 +49,7 @@ namespace emmy
 
   private:
     const unsigned int dim;
+    std::string        effect; ///< that asks now
     std::vector<Field> list;
   };
 

@@ -58,6 +58,9 @@ namespace emmy
     /** @param layout asked for the half-lengths of each particle */
     explicit GimpShapeFunctions(FieldLayout &layout);
 
+    static EffectCard
+    card();
+
     /** Collective. */
     Stencils<dim>
     evaluate(const dealii::Particles::ParticleHandler<dim> &particles,

@@ -5,7 +5,9 @@
 
 #include <deal.II/particles/particle_handler.h>
 
+#include <emmy/base/library.h>
 #include <emmy/grid/background_grid.h>
+#include <emmy/particles/field_layout.h>
 
 #include <memory>
 #include <string>
@@ -101,6 +103,11 @@ namespace emmy
              const BackgroundGrid<dim>                     &grid) const = 0;
   };
 
+  /** All values of Method/Shape functions; made with the particles' layout. */
+  template <int dim>
+  Library<ShapeFunctions<dim>, FieldLayout &> &
+  shape_function_library();
+
   /**
    * The bi- or trilinear functions of the cell that owns the particle
    * (standard MPM; Pretti et al. 2023, eq. 8). A particle on a face takes
@@ -112,6 +119,9 @@ namespace emmy
   public:
     /** @param body_component where the particles keep the index of the body */
     explicit LinearShapeFunctions(const unsigned int body_component);
+
+    static EffectCard
+    card();
 
     Stencils<dim>
     evaluate(const dealii::Particles::ParticleHandler<dim> &particles,

@@ -7,9 +7,24 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace emmy
 {
+  /** What an entry of a parameter file may say, and what it stands for. */
+  struct Choice
+  {
+    std::string name, description;
+  };
+
+  /** All values of Solver/Linear solver. */
+  const std::vector<Choice> &
+  linear_solvers();
+
+  /** All values of Solver/Preconditioner. */
+  const std::vector<Choice> &
+  preconditioners();
+
   /** Section `Solver`. */
   class SolverParameters : public Section
   {

@@ -44,6 +44,26 @@ namespace emmy
     double wall_loss = 0.;
   };
 
+  /** The names of causes in the table of times. */
+  constexpr const char *lumping_effect = "lumping", *pic_effect = "PIC",
+                       *inelastic_walls_effect     = "inelastic walls",
+                       *unconstrained_walls_effect = "unconstrained walls",
+                       *moving_walls_effect        = "moving walls";
+
+  /** What these cost. */
+  std::vector<EffectCard>
+  account_cards(const PointMapping &mapping, const bool has_moving_walls);
+
+  /**
+   * The entries of the ledger that come from the accounts: those that the
+   * method can make differ from zero.
+   */
+  std::vector<EnergyEntry>
+  account_entries(const StepAccounts &accounts,
+                  const PointMapping &mapping,
+                  const bool          has_moving_walls,
+                  const bool          has_ghost_faces);
+
   /** The accounts of a solved step, summed over the ranks. Collective. */
   template <int dim>
   StepAccounts

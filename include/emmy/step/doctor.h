@@ -18,6 +18,10 @@ namespace emmy
     double report_above = 1e8;
 
     explicit DiagnosisParameters(const std::string &path = "Diagnosis");
+
+    /** What the diagnosis costs. */
+    EffectCard
+    card() const;
   };
 
   /**

@@ -89,6 +89,7 @@ namespace emmy
       std::unique_ptr<StepEquation<dim>> equation;
       NewtonResult                       newton;
       double                             time_step;
+      unsigned int                       halvings = 0;
       Vector                             displacement, velocity;
       std::vector<std::string>           notes, findings;
     };
@@ -139,7 +140,7 @@ namespace emmy
            const PointArrays<dim> &points) const;
     /** Those accounts that the method can make differ from zero. */
     std::vector<EnergyEntry>
-    energy_entries(const StepAccounts &accounts) const;
+    account_entries(const StepAccounts &accounts) const;
     std::string
     where() const;
 

@@ -13,13 +13,15 @@ namespace emmy
    *
    * @param wall_velocity the velocity of the walls on fixed unknowns, m/s, and
    *   zero elsewhere. Walls::unconstrained does not use it.
+   * @param phases where the second solve of Walls::inelastic is booked
    */
   template <int dim>
   LinearResult
   map_velocity(const PointMapping &mapping,
                const Vector       &wall_velocity,
                LinearSolver       &linear_solver,
-               GridStart<dim>     &start);
+               GridStart<dim>     &start,
+               Phases             *phases = nullptr);
 } // namespace emmy
 
 #endif

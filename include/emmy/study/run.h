@@ -10,8 +10,9 @@ namespace emmy
   /** What the command line asks for besides a parameter file. */
   struct RunOptions
   {
-    bool only_check = false; ///< describe the scene, run nothing
-    bool overwrite  = false; ///< replace results of an earlier run
+    bool only_check  = false; ///< describe the scene, run nothing
+    bool with_absent = false; ///< and what the absent effects would cost
+    bool overwrite   = false; ///< replace results of an earlier run
   };
 
   /**

@@ -8,6 +8,15 @@
 
 namespace emmy
 {
+  struct SceneCard;
+
+  /** What the price of a material is booked to. */
+  inline std::string
+  material_effect(const std::string &name_of_material)
+  {
+    return "material " + name_of_material;
+  }
+
   /**
    * A scene, ready to run: what the parameters describe, built in the order
    * in which one thing needs the other. It only holds things together; each
@@ -23,9 +32,15 @@ namespace emmy
      */
     Scene(const SceneParameters<dim> &parameters, const MPI_Comm communicator);
 
-    /** The scene in words: what is there and what it will cost. Collective. */
+    /**
+     * The scene in words: what is there and what it will cost. Collective.
+     * @param with_absent whether the card has what is absent too
+     */
     void
-    describe(std::ostream &out, const StepReport &initial) const;
+    describe(std::ostream     &out,
+             const StepReport &initial,
+             const SceneCard  &card,
+             const bool        with_absent) const;
 
     Phases                                      phases;
     BackgroundGrid<dim>                         grid;

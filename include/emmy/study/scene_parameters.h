@@ -49,7 +49,9 @@ namespace emmy
     std::string stress_rule     = "conserving";
     std::string wall_mapping    = "constrained";
 
-    MethodParameters();
+    /** @param shape_function_names the values of <Shape functions> */
+    explicit MethodParameters(
+      const std::vector<std::string> &shape_function_names);
 
     /** Check what belongs to the mapping. Throws ExcParameter. */
     PointMapping

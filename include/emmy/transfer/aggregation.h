@@ -60,6 +60,9 @@ namespace emmy
     text() const;
   };
 
+  /** The name of the effect, in parameter files and the table of times. */
+  constexpr const char *aggregation_effect = "aggregation";
+
   /**
    * Finds the starved nodes of a step and their roots (the idea of aggregated
    * finite elements, Badia, Verdugo and Martin 2018).

@@ -1,6 +1,7 @@
 #ifndef emmy_transfer_domain_update_h
 #define emmy_transfer_domain_update_h
 
+#include <emmy/base/effect_card.h>
 #include <emmy/particles/body.h>
 #include <emmy/particles/point_arrays.h>
 #include <emmy/transfer/active_grid.h>
@@ -53,6 +54,17 @@ namespace emmy
           const BackgroundGrid<dim> &grid,
           const PointArrays<dim>    &trial);
   };
+
+  /** The name of an update, in the table of times. */
+  constexpr const char *domain_update_effect = "domain update";
+
+  /**
+   * What an update costs; present unless @p update is null. Its field is asked
+   * for by make_domain_update() and not named here.
+   */
+  template <int dim>
+  EffectCard
+  domain_update_card(const DomainUpdate<dim> *update);
 
   /** The names of the updates, separated by |. */
   std::string

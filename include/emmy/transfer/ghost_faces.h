@@ -38,6 +38,9 @@ namespace emmy
   ghost_matrix(const unsigned int            direction,
                const dealii::Tensor<1, dim> &cell_size);
 
+  /** The name of the effect, in parameter files and the table of times. */
+  constexpr const char *ghost_effect = "ghost stabilisation";
+
   /**
    * Finds the faces of ghost stabilisation, in each step anew. A boundary cell
    * is an active cell with a face neighbour that is not active; a side of the

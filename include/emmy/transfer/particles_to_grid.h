@@ -1,6 +1,7 @@
 #ifndef emmy_transfer_particles_to_grid_h
 #define emmy_transfer_particles_to_grid_h
 
+#include <emmy/base/phases.h>
 #include <emmy/particles/field_layout.h>
 #include <emmy/particles/point_arrays.h>
 #include <emmy/transfer/active_grid.h>
@@ -105,7 +106,8 @@ namespace emmy
                     const FieldLayout             &layout,
                     const PointMapping            &mapping,
                     const GhostFaces<dim>         *find_ghost_faces = nullptr,
-                    const Aggregation<dim>        *aggregate        = nullptr);
+                    const Aggregation<dim>        *aggregate        = nullptr,
+                    Phases                        *phases           = nullptr);
 
     /**
      * Renew active nodes, mass and momentum. The velocity is left to the
@@ -131,6 +133,7 @@ namespace emmy
     const PointMapping            &mapping;
     const GhostFaces<dim> *const   find_ghost_faces; ///< null: there are none
     const Aggregation<dim> *const  aggregate;        ///< the same
+    Phases *const                  phases; ///< for effects; may be null
     const unsigned int             mass_component, velocity_component;
     GridStart<dim>                 start;
   };
