@@ -77,7 +77,7 @@ namespace emmy
       dealii::GridTools::exchange_cell_data_to_ghosts<Data>(
         grid.triangulation(),
         [&](const Cell &cell) {
-          const auto found = cells.find(grid.lattice(cell->center()));
+          const auto found = cells.find(grid.lattice(cell));
           return found == cells.end()
                    ? Data{{-1., -1., -1.}}
                    : Data{{found->second.density,
@@ -86,9 +86,7 @@ namespace emmy
         },
         [&](const Cell &cell, const Data &data) {
           if (data[0] >= 0.)
-            cells[grid.lattice(cell->center())] = {data[0],
-                                                   data[1],
-                                                   data[2] > 0.};
+            cells[grid.lattice(cell)] = {data[0], data[1], data[2] > 0.};
         });
     }
 

@@ -66,7 +66,7 @@ namespace emmy
         grid.triangulation(),
         [&](const Cell &cell) {
           Data       data;
-          const auto lattice = grid.lattice(cell->center());
+          const auto lattice = grid.lattice(cell);
           for (unsigned int body = 0; body < n_bodies; ++body)
             if (const auto found = roots.find({body, lattice});
                 found != roots.end())
@@ -84,7 +84,7 @@ namespace emmy
           return data;
         },
         [&](const Cell &cell, const Data &data) {
-          const auto lattice = grid.lattice(cell->center());
+          const auto lattice = grid.lattice(cell);
           for (const Entry &entry : data)
             {
               Root<dim> root;
