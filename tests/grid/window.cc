@@ -72,9 +72,9 @@ namespace
 
   template <int dim>
   void
-  check_bitwise(const std::string        &name,
-                const RunningScene<dim>  &a,
-                const RunningScene<dim>  &b)
+  check_bitwise(const std::string       &name,
+                const RunningScene<dim> &a,
+                const RunningScene<dim> &b)
   {
     check(a.ledger.columns() == b.ledger.columns(), name + ": same columns");
     check(a.ledger.rows().size() == b.ledger.rows().size(),
@@ -148,7 +148,7 @@ namespace
     check_flight<2>("aggregation, floor",
                     discs,
                     fast + Settings{"Effects/Names=aggregation, gravity",
-                                    "Effects/Gravity/Acceleration=0; -9.81",
+                                    "Effects/Gravity/Acceleration=0, -9.81",
                                     "Boundary conditions/Roller=y-min",
                                     "Bodies/left/Initial velocity=4.9; 0"},
                     small,
@@ -162,27 +162,26 @@ namespace
                      "Bodies/right/Points per direction=3",
                      "Time/Step rule=fixed",
                      "Time/Step size=0.2"},
-                    {"Grid/Upper corner=40, 40, 40", "Grid/Cells=20, 20, 20"},
+                    {"Grid/Upper corner=48, 48, 48", "Grid/Cells=24, 24, 24"},
                     {"Grid/Lower corner=-80, -80, -80",
                      "Grid/Upper corner=160, 160, 160",
                      "Grid/Cells=120, 120, 120"},
-                    20);
+                    30);
   }
 
   /** Bodies far apart have windows of their own, and may meet. */
   void
   check_far_apart()
   {
-    const Flight<2> flight(
-      ParameterFile::from_text(collision_text(3), "test"),
-      {"Grid/Lower corner=-100, -100",
-       "Grid/Upper corner=100, 100",
-       "Grid/Cells=400, 400",
-       "Bodies/left/ball/Center=-90, -90",
-       "Bodies/right/ball/Center=90, 90"},
-      2,
-      MPI_COMM_WORLD);
-    const double share = share_of_cells(flight.run.scene.grid);
+    const Flight<2> flight(ParameterFile::from_text(collision_text(3), "test"),
+                           {"Grid/Lower corner=-100, -100",
+                            "Grid/Upper corner=100, 100",
+                            "Grid/Cells=400, 400",
+                            "Bodies/left/ball/Center=-90, -90",
+                            "Bodies/right/ball/Center=90, 90"},
+                           2,
+                           MPI_COMM_WORLD);
+    const double    share = share_of_cells(flight.run.scene.grid);
     check(share < 0.01, "two distant bodies: most of the grid has no cells");
   }
 
@@ -194,21 +193,23 @@ namespace
   void
   check_ragged_side()
   {
-    const Settings common{"Grid/Upper corner=18.5, 10.5",
+    const Settings  common{"Grid/Upper corner=18.5, 10.5",
                           "Grid/Cells=37, 21",
                           "Boundary conditions/Roller=x-min, x-max",
-                          "Bodies/Names=left",
+                          "Bodies/right/ball/Center=9.25, 5",
+                          "Bodies/right/Initial velocity=0; 0",
                           "Time/Step rule=fixed",
                           "Time/Step size=0.05"};
-    const auto     file = ParameterFile::from_text(collision_text(3), "test");
+    const auto      file = ParameterFile::from_text(collision_text(3), "test");
     const Flight<2> lower(file,
-                          common + Settings{"Bodies/left/ball/Center=1.5, 5",
-                                            "Bodies/left/Initial velocity=-3;0"},
+                          common +
+                            Settings{"Bodies/left/ball/Center=1.5, 5",
+                                     "Bodies/left/Initial velocity=-3; 0"},
                           20,
                           MPI_COMM_WORLD),
       upper(file,
             common + Settings{"Bodies/left/ball/Center=17, 5",
-                              "Bodies/left/Initial velocity=3;0"},
+                              "Bodies/left/Initial velocity=3; 0"},
             20,
             MPI_COMM_WORLD);
     for (const char *column : {"kinetic_energy", "strain_energy"})
@@ -256,8 +257,10 @@ namespace
     const Window all = Window::whole({12, 20, 8});
     check(all.level() == 2 && all.blocks().size() == 3 * 5 * 2,
           "the whole grid in the largest blocks that fit");
-    const Window most = Window::around({{{4, 4, 4}}}, {11, 11, 11}, MPI_COMM_SELF);
-    check(most.blocks().size() == 27 && most.has_surroundings_of({{10, 10, 10}}),
+    const Window most =
+      Window::around({{{4, 4, 4}}}, {11, 11, 11}, MPI_COMM_SELF);
+    check(most.blocks().size() == 27 &&
+            most.has_surroundings_of({{10, 10, 10}}),
           "more than half of the grid: all of it");
   }
 } // namespace
