@@ -33,9 +33,9 @@ namespace
 
   constexpr std::array<Case, 4> cases{
     {{"40^2 cells, slow", 2, 40, 60, 600, 0.3, 40},
-     {"40^2 cells, fast", 2, 40, 60, 600, 4., 40},
+     {"40^2 cells, fast", 2, 40, 60, 600, 2., 80},
      {"16^3 cells, slow", 3, 16, 24, 112, 0.3, 12},
-     {"16^3 cells, fast", 3, 16, 24, 112, 4., 12}}};
+     {"16^3 cells, fast", 3, 16, 24, 112, 2., 24}}};
 
   struct Result
   {
