@@ -17,8 +17,8 @@ namespace emmy
    * lost.
    *
    * Used at the end of each step, when nothing refers to cells any more. Cost:
-   * proportional to the particles; a new window costs as much as a step or
-   * two, and is due when a body has moved by a block of cells.
+   * proportional to the particles; a new window costs about as much as a
+   * step, and is due when a body has moved by a block of cells.
    */
   template <int dim>
   void
