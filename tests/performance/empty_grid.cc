@@ -1,6 +1,6 @@
 /**
  * What the empty part of the grid costs: the same body in a small grid and in
- * one about a hundred times larger, at rest in its window or fast enough that
+ * one about a hundred times larger, slow in its window or so fast that
  * the window must follow it. Prints medians over repetitions.
  *
  *   build/tests/test_empty_grid [repetitions]

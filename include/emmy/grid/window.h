@@ -52,7 +52,7 @@ namespace emmy
     bool
     has_surroundings_of(const Place &cell) const;
 
-    /** Cells per direction of a block: 2^level. */
+    /** How often a block is refined: it has 2^level cells per direction. */
     unsigned int
     level() const
     {
