@@ -1,13 +1,13 @@
 #include <deal.II/dofs/dof_tools.h>
 
-#include <deal.II/grid/grid_generator.h>
-
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
 #include <emmy/grid/background_grid.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 
 namespace emmy
 {
@@ -25,7 +25,7 @@ namespace emmy
     this->add_parameter("Cells",
                         cells,
                         "Number of equal cells per direction. Required. "
-                        "Numbers with many factors of two scale best.",
+                        "Where no body is near they cost nothing.",
                         this->prm,
                         dealii::Patterns::List(dealii::Patterns::Integer(0),
                                                dim,
@@ -58,73 +58,215 @@ namespace emmy
 
   template <int dim>
   BackgroundGrid<dim>::BackgroundGrid(const GridParameters<dim> &parameters,
-                                      const MPI_Comm             communicator)
+                                      const MPI_Comm             communicator,
+                                      const Cells                at_start)
     : lower(parameters.lower_corner)
     , upper(parameters.upper_corner)
     , counts(parameters.cells)
     , cells(communicator)
     , element(1)
-    , numbering(cells)
   {
     parameters.validate();
-
-    // as few trees as the numbers of cells allow
-    std::vector<unsigned int> coarse   = counts;
-    unsigned int              n_levels = 0;
-    while (std::all_of(coarse.begin(), coarse.end(), [](unsigned int n) {
-      return n % 2 == 0;
-    }))
-      {
-        for (auto &n : coarse)
-          n /= 2;
-        ++n_levels;
-      }
-    trees = 1;
     for (unsigned int d = 0; d < dim; ++d)
-      {
-        trees *= coarse[d];
-        h[d] = (upper[d] - lower[d]) / counts[d];
-      }
-    dealii::GridGenerator::subdivided_hyper_rectangle(
-      cells, coarse, lower, upper, /*colorize=*/true);
-    cells.refine_global(n_levels);
+      h[d] = (upper[d] - lower[d]) / counts[d];
+    if (at_start == Cells::none)
+      return;
+    part = Window<dim>::whole(counts);
+    make_cells();
+    find_cells();
     number_nodes();
+  }
+
+  template <int dim>
+  void
+  BackgroundGrid<dim>::cover(const std::vector<Occupied> &occupied)
+  {
+    std::vector<Lattice> places;
+    for (const Occupied &cell : occupied)
+      places.push_back(cell.first);
+    part = Window<dim>::around(places, counts, communicator());
+    make_cells();
+    find_cells();
+    if (dealii::Utilities::MPI::n_mpi_processes(communicator()) > 1)
+      {
+        repartition(occupied);
+        find_cells();
+      }
+    number_nodes();
+  }
+
+  template <int dim>
+  void
+  BackgroundGrid<dim>::make_cells()
+  {
+    std::vector<dealii::Point<dim>>    vertices;
+    std::map<Lattice, unsigned int>    vertex_at;
+    std::vector<dealii::CellData<dim>> blocks(part.blocks().size());
+    for (unsigned int i = 0; i < blocks.size(); ++i)
+      for (unsigned int v = 0; v < nodes_per_cell; ++v)
+        {
+          Lattice place = part.blocks()[i];
+          for (unsigned int d = 0; d < dim; ++d)
+            place[d] = (place[d] + ((v >> d) & 1)) << part.level();
+          const auto [vertex, is_new] =
+            vertex_at.insert({place, vertices.size()});
+          if (is_new)
+            vertices.push_back(corner(place));
+          blocks[i].vertices[v] = vertex->second;
+        }
+    numbering.clear();
+    cells.clear();
+    cells.create_triangulation(vertices, blocks, dealii::SubCellData());
+    cells.refine_global(part.level());
+  }
+
+  template <int dim>
+  void
+  BackgroundGrid<dim>::find_cells()
+  {
+    cells_by_number.clear();
+    Lattice first{}, last{};
+    first.fill(std::numeric_limits<unsigned int>::max());
+    for (const auto &cell : cells.active_cell_iterators())
+      if (!cell->is_artificial())
+        {
+          const Lattice place   = lattice(cell);
+          bool          is_cell = true;
+          for (unsigned int d = 0; d < dim; ++d)
+            is_cell = is_cell && place[d] < counts[d];
+          if (!is_cell)
+            continue;
+          cells_by_number.emplace_back(number_of(place), cell);
+          if (cell->is_locally_owned())
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                first[d] = std::min(first[d], place[d]);
+                last[d]  = std::max(last[d], place[d]);
+              }
+        }
+    std::sort(cells_by_number.begin(),
+              cells_by_number.end(),
+              [](const auto &a, const auto &b) { return a.first < b.first; });
+    boxes_of_ranks =
+      dealii::Utilities::MPI::all_gather(communicator(),
+                                         std::make_pair(first, last));
+  }
+
+  template <int dim>
+  void
+  BackgroundGrid<dim>::repartition(const std::vector<Occupied> &occupied)
+  {
+    std::map<unsigned int, std::vector<Occupied>> outgoing;
+    for (const Occupied &cell : occupied)
+      for (const unsigned int rank : possible_owners(cell.first))
+        outgoing[rank].push_back(cell);
+    std::map<Lattice, unsigned int> n_points;
+    for (const auto &[sender, incoming] :
+         dealii::Utilities::MPI::some_to_some(communicator(), outgoing))
+      {
+        (void)sender;
+        for (const auto &[place, n] : incoming)
+          n_points[place] += n;
+      }
+    const auto connection = cells.signals.weight.connect(
+      [&](const auto &cell, const auto) -> unsigned int {
+        const auto found = n_points.find(lattice(cell));
+        return 1 + (found == n_points.end() ? 0 : found->second);
+      });
+    cells.repartition();
+    connection.disconnect();
   }
 
   template <int dim>
   void
   BackgroundGrid<dim>::number_nodes()
   {
+    numbering.reinit(cells);
     numbering.distribute_dofs(element);
     const dealii::IndexSet known =
       dealii::DoFTools::extract_locally_relevant_dofs(numbering);
     node_partition = std::make_shared<dealii::Utilities::MPI::Partitioner>(
       numbering.locally_owned_dofs(), known, communicator());
 
-    node_positions.resize(known.n_elements());
-    cells_by_number.clear();
+    node_lattices.resize(known.n_elements());
     for (const auto &cell : numbering.active_cell_iterators())
       if (!cell->is_artificial())
-        {
-          for (const unsigned int v : cell->vertex_indices())
-            node_positions[node_partition->global_to_local(
-              cell->vertex_dof_index(v, 0))] = cell->vertex(v);
-          cells_by_number.emplace_back(cell_number(lattice(cell->center())),
-                                       cell);
-        }
-    std::sort(cells_by_number.begin(),
-              cells_by_number.end(),
-              [](const auto &a, const auto &b) { return a.first < b.first; });
+        for (const unsigned int v : cell->vertex_indices())
+          {
+            Lattice place = lattice(cell);
+            for (unsigned int d = 0; d < dim; ++d)
+              place[d] += (v >> d) & 1;
+            node_lattices[node_partition->global_to_local(
+              cell->vertex_dof_index(v, 0))] = place;
+          }
+  }
+
+  template <int dim>
+  const Window<dim> &
+  BackgroundGrid<dim>::window() const
+  {
+    return part;
   }
 
   template <int dim>
   std::uint64_t
-  BackgroundGrid<dim>::cell_number(const Lattice &lattice) const
+  BackgroundGrid<dim>::number_of(const Lattice &lattice) const
   {
     std::uint64_t number = 0;
-    for (unsigned int d = dim; d-- > 0;)
+    for (unsigned int d = 0; d < dim; ++d)
       number = number * counts[d] + lattice[d];
     return number;
+  }
+
+  template <int dim>
+  typename BackgroundGrid<dim>::Lattice
+  BackgroundGrid<dim>::lattice(const Cell &cell) const
+  {
+    const dealii::Point<dim> center = cell->center();
+    Lattice                  result;
+    for (unsigned int d = 0; d < dim; ++d)
+      result[d] = std::floor((center[d] - lower[d]) / h[d]);
+    return result;
+  }
+
+  template <int dim>
+  dealii::Point<dim>
+  BackgroundGrid<dim>::corner(const Lattice &lattice) const
+  {
+    dealii::Point<dim> result;
+    for (unsigned int d = 0; d < dim; ++d)
+      result[d] =
+        lattice[d] == counts[d] ? upper[d] : lower[d] + lattice[d] * h[d];
+    return result;
+  }
+
+  template <int dim>
+  std::vector<typename BackgroundGrid<dim>::Cell>
+  BackgroundGrid<dim>::owned_cells() const
+  {
+    std::vector<Cell> result;
+    for (const auto &[number, cell] : cells_by_number)
+      if (cell->is_locally_owned())
+        result.push_back(cell);
+    return result;
+  }
+
+  template <int dim>
+  std::vector<unsigned int>
+  BackgroundGrid<dim>::possible_owners(const Lattice &lattice) const
+  {
+    std::vector<unsigned int> ranks;
+    for (unsigned int rank = 0; rank < boxes_of_ranks.size(); ++rank)
+      {
+        const auto &[first, last] = boxes_of_ranks[rank];
+        bool is_inside            = true;
+        for (unsigned int d = 0; d < dim; ++d)
+          is_inside =
+            is_inside && lattice[d] >= first[d] && lattice[d] <= last[d];
+        if (is_inside)
+          ranks.push_back(rank);
+      }
+    return ranks;
   }
 
   template <int dim>
@@ -144,7 +286,7 @@ namespace emmy
   typename BackgroundGrid<dim>::Cell
   BackgroundGrid<dim>::cell_at(const Lattice &lattice) const
   {
-    const auto number = cell_number(lattice);
+    const auto number = number_of(lattice);
     const auto found =
       std::lower_bound(cells_by_number.begin(),
                        cells_by_number.end(),
@@ -155,20 +297,6 @@ namespace emmy
     return found != cells_by_number.end() && found->first == number
              ? found->second
              : Cell(cells.end());
-  }
-
-  template <int dim>
-  void
-  BackgroundGrid<dim>::repartition(
-    const std::function<unsigned int(const Cell &)> &weight)
-  {
-    const auto connection = cells.signals.weight.connect(
-      [&weight](const auto &cell, const auto) -> unsigned int {
-        return weight(cell);
-      });
-    cells.repartition();
-    connection.disconnect();
-    number_nodes();
   }
 
   template <int dim>
@@ -231,7 +359,7 @@ namespace emmy
   unsigned int
   BackgroundGrid<dim>::n_trees() const
   {
-    return trees;
+    return part.blocks().size();
   }
 
   template <int dim>
@@ -255,11 +383,34 @@ namespace emmy
   }
 
   template <int dim>
-  const dealii::Point<dim> &
+  const typename BackgroundGrid<dim>::Lattice &
+  BackgroundGrid<dim>::node_lattice(
+    const dealii::types::global_dof_index id) const
+  {
+    return node_lattices[node_partition->global_to_local(id)];
+  }
+
+  template <int dim>
+  dealii::Point<dim>
   BackgroundGrid<dim>::node_position(
     const dealii::types::global_dof_index id) const
   {
-    return node_positions[node_partition->global_to_local(id)];
+    return corner(node_lattice(id));
+  }
+
+  template <int dim>
+  bool
+  BackgroundGrid<dim>::is_in_cell(const Lattice            &lattice,
+                                  const dealii::Point<dim> &position) const
+  {
+    Lattice above = lattice;
+    for (unsigned int &place : above)
+      ++place;
+    const dealii::Point<dim> low = corner(lattice), high = corner(above);
+    for (unsigned int d = 0; d < dim; ++d)
+      if (position[d] < low[d] || position[d] > high[d])
+        return false;
+    return true;
   }
 
   template <int dim>

@@ -116,11 +116,11 @@ namespace emmy
 
   template <int dim>
   std::vector<Point<dim>>
-  points_in_cell(const Body<dim>                          &body,
-                 const BackgroundGrid<dim>                &grid,
-                 const typename BackgroundGrid<dim>::Cell &cell)
+  points_in_cell(const Body<dim>                             &body,
+                 const BackgroundGrid<dim>                   &grid,
+                 const typename BackgroundGrid<dim>::Lattice &cell)
   {
-    const Point<dim>              lower = cell->vertex(0);
+    const Point<dim>              lower = grid.corner(cell);
     const auto                    box   = body.shape->bounding_box();
     const dealii::Tensor<1, dim> &h     = grid.cell_size();
     for (unsigned int d = 0; d < dim; ++d)
@@ -141,6 +141,41 @@ namespace emmy
               points.push_back(center);
           }
     return points;
+  }
+
+  template <int dim>
+  std::vector<typename BackgroundGrid<dim>::Occupied>
+  occupied_cells(const std::vector<Body<dim>> &bodies,
+                 const BackgroundGrid<dim>    &grid)
+  {
+    using namespace dealii::Utilities::MPI;
+    const unsigned int n_ranks = n_mpi_processes(grid.communicator()),
+                       rank    = this_mpi_process(grid.communicator());
+    std::vector<typename BackgroundGrid<dim>::Occupied> result;
+    for (const Body<dim> &body : bodies)
+      {
+        // with a cell to spare, as the places of its corners are rounded
+        const auto box = body.shape->bounding_box();
+        Point<dim> low, high;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            low[d]  = box.lower_bound(d) - grid.cell_size()[d];
+            high[d] = box.upper_bound(d) + grid.cell_size()[d];
+          }
+        const auto first = grid.lattice(low), last = grid.lattice(high);
+        auto       cell = first;
+        for (unsigned int d = 0; d < dim;)
+          {
+            // ranks take the layers in turn
+            if (cell[dim - 1] % n_ranks == rank)
+              if (const auto points = points_in_cell(body, grid, cell);
+                  !points.empty())
+                result.emplace_back(cell, points.size());
+            for (d = 0; d < dim && ++cell[d] > last[d]; ++d)
+              cell[d] = first[d];
+          }
+      }
+    return result;
   }
 
   template <int dim>
@@ -234,25 +269,26 @@ namespace emmy
     std::vector<unsigned long> n_points(bodies.size(), 0);
     std::string                cut;
     std::string                overlap;
-    for (const auto &cell : grid.triangulation().active_cell_iterators())
-      if (cell->is_locally_owned())
-        for (unsigned int b = 0; b < bodies.size(); ++b)
-          {
-            Filling filling{cell, b, points_in_cell(bodies[b], grid, cell)};
-            n_points[b] += filling.points.size();
-            for (const Point<dim> &point : filling.points)
-              if (cell->at_boundary() && cut.empty())
-                cut = cut_problem(bodies[b], grid, point);
-            for (const Point<dim> &point : filling.points)
-              for (unsigned int other = 0; other < bodies.size(); ++other)
-                if (other != b && overlap.empty() &&
-                    bodies[other].shape->contains(point))
-                  overlap = "bodies <" + bodies[b].name + "> and <" +
-                            bodies[other].name + "> overlap, e.g. at (" +
-                            dealii::Patterns::Tools::to_string(point) + ") m";
-            if (!filling.points.empty())
-              fillings.push_back(std::move(filling));
-          }
+    for (const Cell &cell : grid.owned_cells())
+      for (unsigned int b = 0; b < bodies.size(); ++b)
+        {
+          Filling filling{cell,
+                          b,
+                          points_in_cell(bodies[b], grid, grid.lattice(cell))};
+          n_points[b] += filling.points.size();
+          for (const Point<dim> &point : filling.points)
+            if (cut.empty())
+              cut = cut_problem(bodies[b], grid, point);
+          for (const Point<dim> &point : filling.points)
+            for (unsigned int other = 0; other < bodies.size(); ++other)
+              if (other != b && overlap.empty() &&
+                  bodies[other].shape->contains(point))
+                overlap = "bodies <" + bodies[b].name + "> and <" +
+                          bodies[other].name + "> overlap, e.g. at (" +
+                          dealii::Patterns::Tools::to_string(point) + ") m";
+          if (!filling.points.empty())
+            fillings.push_back(std::move(filling));
+        }
     throw_together(communicator,
                    "Bodies",
                    cut,
@@ -299,6 +335,7 @@ namespace emmy
           for (unsigned int d = 0; d < dim; ++d)
             values[layout["half_length"] + d] =
               initial_half_length(from, grid)[d];
+        const Point<dim> corner = grid.corner(grid.lattice(filling.cell));
         for (const Point<dim> &point : filling.points)
           {
             for (unsigned int d = 0; d < dim; ++d)
@@ -312,7 +349,7 @@ namespace emmy
               }
             Point<dim> reference;
             for (unsigned int d = 0; d < dim; ++d)
-              reference[d] = (point[d] - filling.cell->vertex(0)[d]) / h[d];
+              reference[d] = (point[d] - corner[d]) / h[d];
             particles.insert_particle(
               point,
               reference,
@@ -338,7 +375,10 @@ namespace emmy
   template std::vector<Point<dim>> points_in_cell<dim>(                        \
     const Body<dim> &,                                                         \
     const BackgroundGrid<dim> &,                                               \
-    const typename BackgroundGrid<dim>::Cell &);                               \
+    const typename BackgroundGrid<dim>::Lattice &);                            \
+  template std::vector<typename BackgroundGrid<dim>::Occupied>                 \
+  occupied_cells<dim>(const std::vector<Body<dim>> &,                          \
+                      const BackgroundGrid<dim> &);                            \
   template dealii::Tensor<1, dim> initial_half_length<dim>(                    \
     const Body<dim> &, const BackgroundGrid<dim> &);                           \
   template void fill<dim>(const std::vector<Body<dim>> &,                      \

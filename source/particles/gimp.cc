@@ -120,11 +120,13 @@ namespace emmy
         set_overlap(grid, entry);
         entries.push_back(entry);
       }
-    std::stable_sort(entries.begin(),
-                     entries.end(),
-                     [](const Entry &a, const Entry &b) {
-                       return a.key() < b.key();
-                     });
+    // the order must not depend on which part of the grid has cells
+    std::sort(entries.begin(),
+              entries.end(),
+              [](const Entry &a, const Entry &b) {
+                return std::make_pair(a.key(), a.particle->get_id()) <
+                       std::make_pair(b.key(), b.particle->get_id());
+              });
     return entries;
   }
 
@@ -198,7 +200,7 @@ namespace emmy
                                        Stencils<dim> &stencils) const
   {
     const auto               n_nodes = nodes_of<dim>(first->first, first->last);
-    const dealii::Point<dim> origin  = grid.cell_at(first->first)->vertex(0);
+    const dealii::Point<dim> origin  = grid.corner(first->first);
     stencils.values.resize(group.first_value +
                            std::size_t(group.n_nodes) * group.n_points);
     stencils.gradients.resize(dim * stencils.values.size());
@@ -275,24 +277,25 @@ namespace emmy
     const BackgroundGrid<dim>                             &grid)
   {
     using Lattice = typename BackgroundGrid<dim>::Lattice;
-    std::vector<typename BackgroundGrid<dim>::Cell> owned;
-    std::map<unsigned int, std::vector<Lattice>>    of_others;
+    std::vector<Lattice>                         places;
+    std::map<unsigned int, std::vector<Lattice>> of_others;
     for (const auto &cell : found)
       if (cell->is_locally_owned())
-        owned.push_back(cell);
+        places.push_back(grid.lattice(cell));
       else
-        of_others[cell->subdomain_id()].push_back(grid.lattice(cell->center()));
-    if (dealii::Utilities::MPI::n_mpi_processes(grid.communicator()) == 1)
-      return owned;
-    for (const auto &[sender, lattices] :
-         dealii::Utilities::MPI::some_to_some(grid.communicator(), of_others))
-      {
-        (void)sender;
-        for (const Lattice &lattice : lattices)
-          owned.push_back(grid.cell_at(lattice));
-      }
-    std::sort(owned.begin(), owned.end());
-    owned.erase(std::unique(owned.begin(), owned.end()), owned.end());
+        of_others[cell->subdomain_id()].push_back(grid.lattice(cell));
+    if (dealii::Utilities::MPI::n_mpi_processes(grid.communicator()) > 1)
+      for (const auto &[sender, lattices] :
+           dealii::Utilities::MPI::some_to_some(grid.communicator(), of_others))
+        {
+          (void)sender;
+          places.insert(places.end(), lattices.begin(), lattices.end());
+        }
+    std::sort(places.begin(), places.end());
+    places.erase(std::unique(places.begin(), places.end()), places.end());
+    std::vector<typename BackgroundGrid<dim>::Cell> owned;
+    for (const Lattice &place : places)
+      owned.push_back(grid.cell_at(place));
     return owned;
   }
 

@@ -40,24 +40,44 @@ namespace emmy
         particle->get_properties()[body_component]);
     };
 
-    auto particle = particles.begin();
-    while (particle != particles.end())
+    // The particles of a cell stand together. Neither the order of cells nor
+    // that within one may depend on which part of the grid has cells.
+    struct Filled
+    {
+      typename BackgroundGrid<dim>::Lattice    place;
+      typename Stencils<dim>::ParticleIterator first;
+      unsigned int                             n_particles;
+    };
+    std::vector<Filled> filled;
+    for (auto particle = particles.begin(); particle != particles.end();)
       {
-        // the particles of a cell stand together; order them by body
-        const typename BackgroundGrid<dim>::Cell cell =
-          particle->get_surrounding_cell();
+        const auto cell = particle->get_surrounding_cell();
+        filled.push_back({grid.lattice(cell), particle, 0});
+        for (; particle != particles.end() &&
+               particle->get_surrounding_cell() == cell;
+             ++particle)
+          ++filled.back().n_particles;
+      }
+    std::sort(filled.begin(), filled.end(), [](const auto &a, const auto &b) {
+      return a.place < b.place;
+    });
+
+    for (const Filled &run : filled)
+      {
+        const auto cell = run.first->get_surrounding_cell();
         stencils.active_cells.push_back(cell);
-        const auto ids   = grid.node_ids(cell);
-        const auto lower = cell->vertex(0);
-        const auto first = stencils.particles.size();
-        while (particle != particles.end() &&
-               particle->get_surrounding_cell() == cell)
+        const auto ids      = grid.node_ids(cell);
+        const auto lower    = grid.corner(run.place);
+        const auto first    = stencils.particles.size();
+        auto       particle = run.first;
+        for (unsigned int i = 0; i < run.n_particles; ++i)
           stencils.particles.push_back(particle++);
-        std::stable_sort(stencils.particles.begin() + first,
-                         stencils.particles.end(),
-                         [&](const auto &a, const auto &b) {
-                           return body_of(a) < body_of(b);
-                         });
+        std::sort(stencils.particles.begin() + first,
+                  stencils.particles.end(),
+                  [&](const auto &a, const auto &b) {
+                    return std::make_pair(body_of(a), a->get_id()) <
+                           std::make_pair(body_of(b), b->get_id());
+                  });
 
         for (auto p = first; p < stencils.particles.size();)
           {

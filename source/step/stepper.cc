@@ -7,7 +7,7 @@
 namespace emmy
 {
   template <int dim>
-  Stepper<dim>::Stepper(const BackgroundGrid<dim>     &grid,
+  Stepper<dim>::Stepper(BackgroundGrid<dim>           &grid,
                         const BoundaryConditions<dim> &boundary_conditions,
                         const FieldLayout             &layout,
                         const StepMethod<dim>         &method,

@@ -156,7 +156,7 @@ namespace emmy
   Scene<dim>::Scene(const SceneParameters<dim> &parameters,
                     const MPI_Comm              communicator)
     : phases(communicator)
-    , grid(parameters.grid, communicator)
+    , grid(parameters.grid, communicator, BackgroundGrid<dim>::Cells::none)
     , boundary_conditions(parameters.boundary_conditions, grid)
     , materials(make_materials(parameters))
     , bodies(make_bodies(parameters, materials))
@@ -185,13 +185,7 @@ namespace emmy
     , parameters(parameters)
   {
     const auto scope = phases.scope("setup");
-    // a particle costs about as much as an empty cell
-    grid.repartition([this](const auto &cell) {
-      unsigned int weight = 1;
-      for (const Body<dim> &body : bodies)
-        weight += points_in_cell(body, grid, cell).size();
-      return weight;
-    });
+    grid.cover(occupied_cells(bodies, grid));
     particles.initialize(grid.triangulation(),
                          grid.mapping(),
                          layout.n_components());

@@ -62,6 +62,7 @@ namespace emmy
     const BackgroundGrid<dim>         &grid,
     const BoundaryConditions<dim>     &boundary_conditions)
     : grid(grid)
+    , grid_nodes(grid.nodes())
     , active_cells(stencils.active_cells)
     , group_node_ids(stencils.node_ids)
     , face_node_ids(ids_of(faces))
@@ -79,7 +80,10 @@ namespace emmy
                         const std::vector<GhostFace<dim>> &faces,
                         const Aggregates<dim>             &aggregates) const
   {
-    return dealii::Utilities::MPI::min(stencils.node_ids == group_node_ids &&
+    // in another window the old cells are not to be touched
+    return dealii::Utilities::MPI::min(grid.nodes() == grid_nodes &&
+                                           stencils.node_ids ==
+                                             group_node_ids &&
                                            stencils.active_cells ==
                                              active_cells &&
                                            ids_of(faces) == face_node_ids &&
@@ -128,6 +132,10 @@ namespace emmy
     for (unsigned int i = 0; i < active.locally_owned_size(); ++i)
       if (active.local_element(i) > 0.)
         owned_ids.push_back(grid.nodes()->local_to_global(i));
+    // the order must not depend on which part of the grid has cells
+    std::sort(owned_ids.begin(), owned_ids.end(), [&](auto a, auto b) {
+      return grid.node_lattice(a) < grid.node_lattice(b);
+    });
 
     const auto [first, n_nodes] =
       sum_below_and_total(owned_ids.size(), communicator());

@@ -11,29 +11,16 @@ namespace emmy
   {
     using Exchange = Feeding::Values;
 
-    /** How many cells a node is away from the lower corner. */
-    template <int dim>
-    std::array<int, dim>
-    node_lattice(const dealii::Point<dim> &x, const BackgroundGrid<dim> &grid)
-    {
-      std::array<int, dim> result;
-      for (unsigned int d = 0; d < dim; ++d)
-        result[d] =
-          std::lround((x[d] - grid.lower_corner()[d]) / grid.cell_size()[d]);
-      return result;
-    }
-
     /** int N_A, m^dim. */
     template <int dim>
     double
-    volume_of_node(const dealii::Point<dim> &x, const BackgroundGrid<dim> &grid)
+    volume_of_node(const typename BackgroundGrid<dim>::Lattice &place,
+                   const BackgroundGrid<dim>                   &grid)
     {
-      const auto place  = node_lattice(x, grid);
-      double     volume = 1.;
+      double volume = 1.;
       for (unsigned int d = 0; d < dim; ++d)
-        volume *=
-          (place[d] == 0 || place[d] == int(grid.n_cells()[d]) ? 0.5 : 1.) *
-          grid.cell_size()[d];
+        volume *= (place[d] == 0 || place[d] == grid.n_cells()[d] ? 0.5 : 1.) *
+                  grid.cell_size()[d];
       return volume;
     }
 
@@ -113,7 +100,7 @@ namespace emmy
             result.part.local_element(i) =
               total.local_element(i) /
               (density.local_element(i) *
-               volume_of_node(grid.node_position(id), grid));
+               volume_of_node<dim>(grid.node_lattice(id), grid));
             result.is_free.local_element(i) =
               reaches(result.part.local_element(i), threshold);
             result.active.push_back(i);
@@ -142,13 +129,13 @@ namespace emmy
         {
           if (nodes.is_free.local_element(node) > 0.)
             continue;
-          const auto lattice = node_lattice<dim>(
-            grid.node_position(grid.nodes()->local_to_global(node)), grid);
+          const auto &lattice =
+            grid.node_lattice(grid.nodes()->local_to_global(node));
           std::array<int, dim> first, place;
           for (unsigned int d = 0; d < dim; ++d)
             {
-              first[d] = lattice[d] - 1;
-              place[d] = 2 * lattice[d];
+              first[d] = int(lattice[d]) - 1;
+              place[d] = 2 * int(lattice[d]);
             }
           const Root<dim> *root =
             preferred<dim>(roots, first, 2, nodes.body[node], place, grid);
@@ -170,12 +157,11 @@ namespace emmy
       Follower<dim> follower;
       follower.node_id = grid.nodes()->local_to_global(node);
       follower.weights.fill(1.);
-      const auto lattice =
-        node_lattice<dim>(grid.node_position(follower.node_id), grid);
+      const auto &lattice = grid.node_lattice(follower.node_id);
       for (unsigned int d = 0; d < dim; ++d)
         {
           follower.root[d]   = fields[d].local_element(node) - 1.;
-          const int distance = lattice[d] - int(follower.root[d]);
+          const int distance = int(lattice[d]) - int(follower.root[d]);
           for (unsigned int v = 0; v < Follower<dim>::n_roots; ++v)
             follower.weights[v] *= (v >> d) & 1 ? distance : 1 - distance;
           follower.distance =
@@ -192,10 +178,10 @@ namespace emmy
   Follower<dim>::root_position(const unsigned int         vertex,
                                const BackgroundGrid<dim> &grid) const
   {
-    dealii::Point<dim> result = grid.lower_corner();
+    typename BackgroundGrid<dim>::Lattice place;
     for (unsigned int d = 0; d < dim; ++d)
-      result[d] += (root[d] + ((vertex >> d) & 1)) * grid.cell_size()[d];
-    return result;
+      place[d] = root[d] + ((vertex >> d) & 1);
+    return grid.corner(place);
   }
 
   template <int dim>
@@ -254,6 +240,13 @@ namespace emmy
     for (unsigned int node = 0; node < n_known; ++node)
       if (fields[0].local_element(node) > 0.)
         result.followers.push_back(make_follower<dim>(fields, node, grid));
+    // the order must not depend on which part of the grid has cells
+    std::sort(result.followers.begin(),
+              result.followers.end(),
+              [&](const auto &a, const auto &b) {
+                return grid.node_lattice(a.node_id) <
+                       grid.node_lattice(b.node_id);
+              });
     for (const Follower<dim> &follower : result.followers)
       {
         result.farthest_root =

@@ -9,7 +9,7 @@
 
 #include <emmy/particles/field_layout.h>
 #include <emmy/particles/gimp.h>
-#include <emmy/transfer/grid_to_particles.h>
+#include <emmy/transfer/particle_sort.h>
 
 #include <random>
 
@@ -100,7 +100,7 @@ namespace
         parameters.cells[d]        = 2 * (d + 2);
         parameters.upper_corner[d] = 1. + 0.3 * d;
       }
-    const BackgroundGrid<dim>            grid(parameters, MPI_COMM_WORLD);
+    BackgroundGrid<dim>                  grid(parameters, MPI_COMM_WORLD);
     FieldLayout                          layout = basic_fields(dim);
     std::unique_ptr<ShapeFunctions<dim>> shape_functions;
     if (is_gimp)

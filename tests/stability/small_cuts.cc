@@ -1,7 +1,7 @@
 // Cases that begin with a small cut: few particles, or none but one, reach the
 // nodes of a cell.
 
-#include <emmy/transfer/grid_to_particles.h>
+#include <emmy/transfer/particle_sort.h>
 
 #include <algorithm>
 #include <cmath>

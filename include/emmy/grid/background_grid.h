@@ -4,6 +4,8 @@
 #include <deal.II/base/partitioner.h>
 #include <emmy/base/section.h>
 
+#include <emmy/grid/window.h>
+
 #include <deal.II/distributed/tria.h>
 
 #include <deal.II/dofs/dof_handler.h>
@@ -12,9 +14,10 @@
 #include <deal.II/fe/mapping_cartesian.h>
 
 #include <array>
-#include <functional>
+#include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace emmy
@@ -37,12 +40,13 @@ namespace emmy
 
   /**
    * The background grid: a box of equal cells that never deforms, distributed
-   * over the ranks, with one scalar bi- or trilinear function per node. A few
-   * coarse cells are refined as often as the numbers of cells allow, because
-   * a p4est forest of one tree per cell does not scale.
+   * over the ranks, with one scalar bi- or trilinear function per node. Where
+   * no body is near there are no cells, only the lattice: cells exist in the
+   * window() alone. Positions come from the lattice, so nothing depends on
+   * which window is open.
    *
-   * Owned by the scene. Nothing here changes after construction, except the
-   * partition, when the scene rebalances it.
+   * Owned by the scene. The lattice never changes; the window is chosen by
+   * cover(), at the start and when particles come near its edge.
    */
   template <int dim>
   class BackgroundGrid
@@ -53,10 +57,21 @@ namespace emmy
     static constexpr unsigned int nodes_per_cell = 1 << dim;
 
     /** Which cell of the grid, counted per direction from the lower corner. */
-    using Lattice = std::array<unsigned int, dim>;
+    using Lattice = LatticePlace<dim>;
+
+    /** A cell that holds points, and how many. */
+    using Occupied = std::pair<Lattice, unsigned int>;
+
+    /** What has cells after construction: all of the grid, or nothing yet. */
+    enum class Cells
+    {
+      all,
+      none
+    };
 
     BackgroundGrid(const GridParameters<dim> &parameters,
-                   const MPI_Comm             communicator);
+                   const MPI_Comm             communicator,
+                   const Cells                at_start = Cells::all);
 
     MPI_Comm
     communicator() const;
@@ -65,13 +80,19 @@ namespace emmy
     triangulation() const;
 
     /**
-     * Distribute the cells over the ranks so that each has about the same sum
-     * of weights. Collective. Call it before anything refers to cells.
+     * Choose the window that holds these cells with a margin (see
+     * Window::around()), and distribute its cells over the ranks: a point
+     * counts as much as an empty cell. Cells and ids of nodes that were
+     * obtained before are no longer valid. Collective.
      *
-     * @param weight relative cost of a cell, at least 1
+     * @param occupied each on any one rank, also in parts
      */
     void
-    repartition(const std::function<unsigned int(const Cell &)> &weight);
+    cover(const std::vector<Occupied> &occupied);
+
+    /** The part of the grid that has cells. */
+    const Window<dim> &
+    window() const;
 
     const dealii::Mapping<dim> &
     mapping() const;
@@ -93,13 +114,24 @@ namespace emmy
     double
     smallest_cell_size() const;
 
-    /** Number of coarse cells (p4est trees). */
+    /** Number of coarse cells (p4est trees) of the window. */
     unsigned int
     n_trees() const;
 
     /** The cell of a position; of the nearest one if it is outside. */
     Lattice
     lattice(const dealii::Point<dim> &position) const;
+
+    /** The place of a cell; of one that sticks out too. */
+    Lattice
+    lattice(const Cell &cell) const;
+
+    /**
+     * Position of the lower corner of a cell, m; the same as that of the
+     * other cells' corners there, to the last bit.
+     */
+    dealii::Point<dim>
+    corner(const Lattice &lattice) const;
 
     /**
      * A cell that this rank owns or knows as a neighbour of its own; past the
@@ -108,17 +140,34 @@ namespace emmy
     Cell
     cell_at(const Lattice &lattice) const;
 
+    /** The cells that this rank owns, sorted by their places. */
+    std::vector<Cell>
+    owned_cells() const;
+
+    /** Ranks that may own a cell of the window; its owner is one of them. */
+    std::vector<unsigned int>
+    possible_owners(const Lattice &lattice) const;
+
     /** Ids of the nodes of a cell, in deal.II's vertex order. */
     std::array<dealii::types::global_dof_index, nodes_per_cell>
     node_ids(const Cell &cell) const;
 
+    /** The place of a node that this rank knows: of the cell above it. */
+    const Lattice &
+    node_lattice(const dealii::types::global_dof_index id) const;
+
     /** Position of a node that this rank knows, m. */
-    const dealii::Point<dim> &
+    dealii::Point<dim>
     node_position(const dealii::types::global_dof_index id) const;
 
     /** Which nodes this rank owns and which it knows. */
     const std::shared_ptr<const dealii::Utilities::MPI::Partitioner> &
     nodes() const;
+
+    /** Whether a position is in a closed cell, exactly. */
+    bool
+    is_in_cell(const Lattice            &lattice,
+               const dealii::Point<dim> &position) const;
 
     /** Whether a position is in the closed box, to round-off (1e-13). */
     bool
@@ -130,22 +179,31 @@ namespace emmy
 
   private:
     void
+    make_cells();
+    void
+    find_cells();
+    void
+    repartition(const std::vector<Occupied> &occupied);
+    void
     number_nodes();
+    /** Sorts as places do. */
     std::uint64_t
-    cell_number(const Lattice &lattice) const;
+    number_of(const Lattice &lattice) const;
 
     const dealii::Point<dim>                                   lower, upper;
     const std::vector<unsigned int>                            counts;
     dealii::Tensor<1, dim>                                     h;
-    unsigned int                                               trees;
+    Window<dim>                                                part;
     dealii::parallel::distributed::Triangulation<dim>          cells;
     dealii::MappingCartesian<dim>                              cartesian;
     dealii::FE_Q<dim>                                          element;
     dealii::DoFHandler<dim>                                    numbering;
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> node_partition;
-    std::vector<dealii::Point<dim>> node_positions; // by local index
-    /** Owned and neighbouring cells by cell_number(), sorted. */
+    std::vector<Lattice> node_lattices; // by local index
+    /** Owned and neighbouring cells by number_of(), sorted. */
     std::vector<std::pair<std::uint64_t, Cell>> cells_by_number;
+    /** First and last place of the cells of each rank. */
+    std::vector<std::pair<Lattice, Lattice>> boxes_of_ranks;
   };
 } // namespace emmy
 

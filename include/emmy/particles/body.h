@@ -73,9 +73,19 @@ namespace emmy
    */
   template <int dim>
   std::vector<dealii::Point<dim>>
-  points_in_cell(const Body<dim>                          &body,
-                 const BackgroundGrid<dim>                &grid,
-                 const typename BackgroundGrid<dim>::Cell &cell);
+  points_in_cell(const Body<dim>                             &body,
+                 const BackgroundGrid<dim>                   &grid,
+                 const typename BackgroundGrid<dim>::Lattice &cell);
+
+  /**
+   * The cells of the grid that hold points of bodies, and how many; each rank
+   * finds its share, whatever window is open. Cost: that of the cells in the
+   * bodies' bounding boxes, of all of the grid for a shape that has none.
+   */
+  template <int dim>
+  std::vector<typename BackgroundGrid<dim>::Occupied>
+  occupied_cells(const std::vector<Body<dim>> &bodies,
+                 const BackgroundGrid<dim>    &grid);
 
   /** Half the size of the box that a particle starts with, m. */
   template <int dim>

@@ -49,7 +49,7 @@ namespace emmy
     /** The particle behind each point. */
     std::vector<ParticleIterator> particles;
 
-    /** The active cells that this rank owns, in the grid's order. */
+    /** The active cells that this rank owns, sorted by their places. */
     std::vector<typename BackgroundGrid<dim>::Cell> active_cells;
 
     const double *

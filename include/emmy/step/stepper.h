@@ -34,7 +34,7 @@ namespace emmy
   class Stepper
   {
   public:
-    Stepper(const BackgroundGrid<dim>               &grid,
+    Stepper(BackgroundGrid<dim>                     &grid,
             const BoundaryConditions<dim>           &boundary_conditions,
             const FieldLayout                       &layout,
             const StepMethod<dim>                   &method,
@@ -144,7 +144,7 @@ namespace emmy
     std::string
     where() const;
 
-    const BackgroundGrid<dim>               &grid;
+    BackgroundGrid<dim>                     &grid;
     const BoundaryConditions<dim>           &boundary_conditions;
     const FieldLayout                       &layout;
     const StepMethod<dim>                    method;

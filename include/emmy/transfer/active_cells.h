@@ -41,9 +41,9 @@ namespace emmy
     using Cell = typename BackgroundGrid<dim>::Cell;
     dealii::GridTools::exchange_cell_data_to_ghosts<Data>(
       grid.triangulation(),
-      [&](const Cell &cell) { return get(grid.lattice(cell->center())); },
+      [&](const Cell &cell) { return get(grid.lattice(cell)); },
       [&](const Cell &cell, const Data &data) {
-        set(grid.lattice(cell->center()), data);
+        set(grid.lattice(cell), data);
       });
   }
 } // namespace emmy

@@ -28,7 +28,7 @@ namespace emmy
    * of the roots of their nodes, that another rank owns.
    *
    * Made by the transfer when the set of active cells changes, kept
-   * otherwise. Cost: proportional to the rank's part of the grid.
+   * otherwise. Cost: proportional to the rank's part of the grid's window.
    */
   template <int dim>
   class ActiveGrid
@@ -176,8 +176,10 @@ namespace emmy
     void
     make_sparsity(const Stencils<dim> &stencils);
 
-    const BackgroundGrid<dim>                      &grid;
-    std::vector<typename BackgroundGrid<dim>::Cell> active_cells;
+    const BackgroundGrid<dim> &grid;
+    /** Of the window for which this was made. */
+    std::shared_ptr<const dealii::Utilities::MPI::Partitioner> grid_nodes;
+    std::vector<typename BackgroundGrid<dim>::Cell>            active_cells;
     std::vector<std::array<unsigned int, BackgroundGrid<dim>::nodes_per_cell>>
       nodes_of_cell;
 

@@ -32,16 +32,6 @@ namespace emmy
               PointArrays<dim>          &trial);
 
   /**
-   * Hand particles to the cells and ranks of their positions, however far
-   * they went. A position outside the grid by round-off is put on its edge.
-   * Collective. Throws ExcRun on all ranks if a particle got lost.
-   */
-  template <int dim>
-  void
-  sort_into_cells(const BackgroundGrid<dim>               &grid,
-                  dealii::Particles::ParticleHandler<dim> &particles);
-
-  /**
    * Write accepted states to the particles and hand them to their new cells
    * and ranks. The only place where particles are written. Collective.
    * Throws ExcRun on all ranks if a particle got lost.
@@ -51,7 +41,7 @@ namespace emmy
   grid_to_particles(const Stencils<dim>                     &stencils,
                     const PointArrays<dim>                  &accepted,
                     const FieldLayout                       &layout,
-                    const BackgroundGrid<dim>               &grid,
+                    BackgroundGrid<dim>                     &grid,
                     dealii::Particles::ParticleHandler<dim> &particles);
 } // namespace emmy
 
