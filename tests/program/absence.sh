@@ -1,8 +1,9 @@
 #!/bin/sh
 # What a scene does not name leaves no trace in what a run writes. The section
 # of an effect that is not named adds one line to the log and changes nothing
-# else. And a program that has only Hencky in its libraries, so that the code of
-# all other effects and materials is not even linked, writes the same.
+# else. And a program that has only Hencky and linear functions in its libraries, so
+# that the code of all other effects, materials and shape functions is not even
+# linked, writes the same.
 #
 # Usage: absence.sh EMMY ELASTIC_PROGRAM SOURCE_ROOT
 set -u
@@ -123,6 +124,7 @@ ran spare spare.prm
 check 'a material without a body: the same results' same plane spare
 log spare >spare.log
 check 'a material without a body: the same log' cmp -s plane.log spare.log
+check 'a material without a body: no price' has_lines 0 spare/run.log 'material lead'
 
 echo "A program without them"
 emmy=$elastic
@@ -130,15 +132,17 @@ for scene in plane space; do
   ran $scene-elastic $scene.prm
   check "$scene: the same results" same $scene $scene-elastic
   log $scene-elastic >elastic.log
-  grep -v '^    not used  ' $scene.log >all.log
+  sed '/^  absent /s/von Mises, \|GIMP, \|gravity, point load, ghost stabilisation, aggregation, //g' \
+    $scene.log >all.log
   check "$scene: the same log, but for what there is" cmp all.log elastic.log
+  check "$scene: what there is differs" not cmp -s all.log $scene.log
 done
 emmy_run plastic.prm
 check 'it does not know von Mises' says err 'Known are: Hencky.'
 emmy_run plane.prm --set 'Effects/Names=gravity'
 check 'nor gravity' says err '<gravity>'
 if command -v nm >/dev/null; then
-  names='Gravity|PointLoad|GhostParameters|GhostStiffness|AggregationParameters|VonMises'
+  names='Gravity|PointLoad|GhostParameters|GhostStiffness|AggregationParameters|VonMises|GimpShapeFunctions'
   nm -C "$elastic" >elastic.symbols
   nm -C "$all" >all.symbols
   check 'nor has it their code' has_lines 0 elastic.symbols "$names"
