@@ -1,8 +1,8 @@
 // Facts about what a scene does not name. For each line of the libraries of
-// effects and materials: a scene that does not name it is the same, to the last
-// bit, when the line is left out. What is the same: particle fields, entries
-// of the matrices, columns and rows of the ledger, particles at the end. That
-// the comparison sees differences is shown by naming each line.
+// effects, materials and shape functions: a scene that does not name it is the
+// same, to the last bit, when the line is left out. What is the same: particle
+// fields, entries of the matrices, columns and rows of the ledger, particles at
+// the end. That the comparison sees differences is shown by naming each line.
 
 #include <algorithm>
 #include <cstring>
@@ -208,7 +208,7 @@ namespace
     };
     const auto leave_out = [&](auto &library) {
       for (const std::string &name : library.names())
-        if (!choice.has(name))
+        if (!choice.has(name) && name != "linear") // a default must be there
           {
             const LeftOut gone(library, name);
             check_same("leaving out <" + name + ">", "");
@@ -216,6 +216,7 @@ namespace
     };
     leave_out(effect_library<dim>());
     leave_out(material_library<dim>());
+    leave_out(shape_function_library<dim>());
     if (choice.shape_functions != "GIMP")
       check_same("an entry of GIMP",
                  "subsection Method\nset Domain update = corners\nend\n");
@@ -232,24 +233,25 @@ namespace
   void
   check_present()
   {
-    const Trace none       = trace<dim>(block<dim>({"Hencky", {}}));
-    const auto  check_seen = [&](auto &library, const Choice &choice) {
-      const std::string name =
-        choice.effects.empty() ? choice.material : choice.effects[0];
-      const std::string text       = block<dim>(choice);
-      const std::string difference = trace<dim>(text).difference_to(none);
-      check(!difference.empty(), "naming <" + name + "> changes something");
-      std::cout << dim << "D, naming " << std::left << std::setw(22) << name
-                << "changes " << difference << '\n';
-      const LeftOut gone(library, name);
-      test::check_throws_with([&] { trace<dim>(text); },
-                              {"<" + name + ">", "Known are: "});
-    };
+    const Trace none = trace<dim>(block<dim>({"Hencky", {}}));
+    const auto  check_seen =
+      [&](auto &library, const std::string &name, const Choice &choice) {
+        const std::string text       = block<dim>(choice);
+        const std::string difference = trace<dim>(text).difference_to(none);
+        check(!difference.empty(), "naming <" + name + "> changes something");
+        std::cout << dim << "D, naming " << std::left << std::setw(22) << name
+                  << "changes " << difference << '\n';
+        const LeftOut gone(library, name);
+        test::check_throws_with([&] { trace<dim>(text); }, {"<" + name + ">"});
+      };
     for (const std::string &name : effect_library<dim>().names())
-      check_seen(effect_library<dim>(), {"Hencky", {name}});
+      check_seen(effect_library<dim>(), name, {"Hencky", {name}});
     for (const std::string &name : material_library<dim>().names())
       if (name != "Hencky")
-        check_seen(material_library<dim>(), {name, {}});
+        check_seen(material_library<dim>(), name, {name, {}});
+    for (const std::string &name : shape_function_library<dim>().names())
+      if (name != "linear")
+        check_seen(shape_function_library<dim>(), name, {"Hencky", {}, name});
   }
 } // namespace
 

@@ -39,7 +39,8 @@ change=$(awk -F , '
 ' block/ledger.csv)
 echo "kinetic + strain energy + damping_loss change by ${change% *} of it"
 check 'kinetic + strain energy + damping_loss is constant' [ "${change#* }" = 1 ]
-check 'the screen tells the loss' matches out '^  damping_loss 0\.'
+check 'the screen tells the loss' matches out '^    damping_loss +0\.'
+check 'and the price' matches out '^mass damping +[1-9]'
 
 sed -e 's/Dimension = 2/Dimension = 3/' -e 's/= 0, 0$/= 0, 0, 0/' \
   -e 's/= 6, 6$/= 6, 6, 6/' -e 's/= 2.25, 2.25$/= 2.25, 2.25, 2.25/' \
@@ -68,6 +69,12 @@ emmy_run "$example/damped-block.prm" --set 'Effects/Names=' --set 'Output/Direct
 check 'not named: no column' [ "$(columns free)" = strain_energy ]
 check 'not named: one line in the log' says free/run.log \
   'section Effects/Mass damping is not used, because Effects/Names does not list <mass damping>'
+emmy_run --list
+check 'the list of what there is has it' \
+  has_lines 1 out '^  mass damping +a force proportional to mass and velocity$'
+emmy_run --check "$example/damped-block.prm"
+check 'the scene card has it' matches out '^    mass damping +0 +0  Newton: mass times velocity$'
+check 'the scene card has its column' matches out 'damping_loss'
 emmy_run --print-parameters
 check 'the reference of parameters has it' matches out 'subsection Mass damping'
 

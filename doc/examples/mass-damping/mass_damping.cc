@@ -13,6 +13,16 @@ MassDampingParameters<dim>::MassDampingParameters(const std::string &section)
 }
 
 template <int dim>
+emmy::EffectCard
+MassDampingParameters<dim>::card()
+{
+  emmy::EffectCard card;
+  card.enters         = "Newton: mass times velocity";
+  card.ledger_columns = {"damping_loss"};
+  return card;
+}
+
+template <int dim>
 void
 MassDampingParameters<dim>::add_to(emmy::Effects<dim> &effects,
                                    emmy::FieldLayout &) const
@@ -67,17 +77,26 @@ MassDamping<dim>::energy_entries() const
   return {{"damping_loss", emmy::EnergyEntry::Kind::dissipated, 0.}};
 }
 
-template <int dim>
-std::unique_ptr<emmy::EffectParameters<dim>>
-make(const std::string &section)
+namespace
 {
-  return std::make_unique<MassDampingParameters<dim>>(section);
-}
+  /** The line of the library. */
+  template <int dim>
+  void
+  add_line()
+  {
+    emmy::effect_library<dim>().add(
+      {"mass damping",
+       "a force proportional to mass and velocity",
+       [](const std::string &section) {
+         return std::make_unique<MassDampingParameters<dim>>(section);
+       },
+       MassDampingParameters<dim>::card()});
+  }
+} // namespace
 
 void
 add_mass_damping()
 {
-  const std::string what = "a force proportional to mass and velocity";
-  emmy::effect_library<2>().add({"mass damping", what, make<2>});
-  emmy::effect_library<3>().add({"mass damping", what, make<3>});
+  add_line<2>();
+  add_line<3>();
 }

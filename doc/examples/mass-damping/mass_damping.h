@@ -10,6 +10,10 @@ class MassDampingParameters : public emmy::EffectParameters<dim>
 public:
   explicit MassDampingParameters(const std::string &section);
 
+  /** What emmy --check says of the effect. */
+  static emmy::EffectCard
+  card();
+
   void
   add_to(emmy::Effects<dim> &effects, emmy::FieldLayout &) const override;
 
