@@ -4,17 +4,6 @@
 namespace emmy
 {
   template <int dim>
-  MaterialParameters<dim>::MaterialParameters(const std::string &section)
-    : Section(section)
-  {
-    this->add_parameter("Model",
-                        model,
-                        "The material's law: " +
-                          join(material_library<dim>().names()) +
-                          ". Required.");
-  }
-
-  template <int dim>
   Library<MaterialParameters<dim>> &
   material_library()
   {
@@ -37,8 +26,6 @@ namespace emmy
     return library;
   }
 
-  template class MaterialParameters<2>;
-  template class MaterialParameters<3>;
   template Library<MaterialParameters<2>> &
   material_library<2>();
   template Library<MaterialParameters<3>> &

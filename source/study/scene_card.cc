@@ -119,6 +119,11 @@ namespace emmy
         std::vector<std::string> used;
         for (unsigned int m = 0; m < scene.materials.size(); ++m)
           {
+            const auto is_of = [m](const Body<dim> &body) {
+              return body.material == m;
+            };
+            if (std::none_of(scene.bodies.begin(), scene.bodies.end(), is_of))
+              continue; // costs nothing
             const std::string &model = parameters.materials[m]->model_name();
             const auto        &entry =
               material_library<dim>().find(model, "Materials", "Model");

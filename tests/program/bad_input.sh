@@ -527,17 +527,6 @@ check 'a halved step: the ledger has the smaller step' \
 rm -rf results
 
 echo "Two ranks"
-# run_on_two_ranks ARGUMENTS...: after a failure Open MPI would wait a second
-# for ranks that have left already
-run_on_two_ranks()
-{
-  last_run="$* (two ranks)"
-  status=0
-  OMPI_MCA_odls_base_sigkill_timeout=0 \
-    "$timeout" 60 "$launcher" --oversubscribe --bind-to none -np 2 "$emmy" "$@" \
-    >"$work/out" 2>"$work/err" </dev/null || status=$?
-}
-
 # refused_by_two NAME WORDS ARGUMENTS...: as refused(); the launcher has its say
 refused_by_two()
 {

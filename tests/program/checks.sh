@@ -65,6 +65,29 @@ emmy_run()
     "$timeout" 60 "$emmy" "$@" >"$work/out" 2>"$work/err" </dev/null || status=$?
 }
 
+# run_on_two_ranks ARGUMENTS...: after a failure Open MPI would wait a second
+# for ranks that have left already
+launcher= # set by the scripts that need it
+run_on_two_ranks()
+{
+  last_run="$* (two ranks)"
+  status=0
+  OMPI_MCA_odls_base_sigkill_timeout=0 \
+    "$timeout" 60 "$launcher" --oversubscribe --bind-to none -np 2 "$emmy" "$@" \
+    >"$work/out" 2>"$work/err" </dev/null || status=$?
+}
+
+# built NAME ARGUMENTS...: cmake succeeds
+cmake= # set by the scripts that build
+built()
+{
+  last_run="cmake, $1"
+  shift
+  status=0
+  "$cmake" "$@" >"$work/out" 2>"$work/err" </dev/null || status=$?
+  check "$last_run" [ "$status" -eq 0 ]
+}
+
 # says FILE WORDS: the words are there, wherever lines are broken
 says()
 {
