@@ -139,12 +139,11 @@ namespace emmy
           check_stable(suite,
                        remedy,
                        result,
-                       remedy.name == aggregation.name ? 50 : 20,
+                       fraction == "1.0" ? 2 * 100 + 1 : 20, // both tries
                        0.7);
+        suite.at_most("times halved", result.halvings, is_long ? 20 : 2);
         if (is_long)
-          suite.at_least("contacts",
-                         n_contacts(result.strain),
-                         run.is_stabilised ? 2 : 3);
+          suite.at_least("contacts", n_contacts(result.strain), 2);
       }
 
       void
@@ -154,8 +153,9 @@ namespace emmy
           "Impact near the speed of sound, cells crossed, contact again",
           "`collision.prm`: the discs meet with 0.1, 0.5 and 1 times the wave "
           "speed, 5.19 m/s; at 0.1 for 30 s, in which they\npart, meet the "
-          "walls and one another again. `block.prm` in a long grid: 3.3 cells "
-          "a step.");
+          "walls and one another again. At 1.0 the discs are pressed to a "
+          "fraction, and a step may need to be halved.\n`block.prm` in a long "
+          "grid: 3.3 cells a step.");
         for (const Remedy &remedy : {nothing, ghosts, aggregation})
           {
             for (const char *const fraction : {"0.1", "0.5", "1.0"})
@@ -233,11 +233,13 @@ namespace emmy
                const std::string              &file,
                const std::string              &name,
                const std::vector<std::string> &settings,
+               const bool                      is_stabilised,
                const double                    residual_work)
       {
         Run<2> run;
         run.file          = "stability/" + file;
         run.settings      = settings;
+        run.is_stabilised = is_stabilised;
         const auto result = suite.run<2>(name, run);
 
         std::vector<Point> points;
@@ -247,13 +249,15 @@ namespace emmy
                                        1e-18));
         suite.curve(Panel::steps, name, points);
         suite.at_least("steps", result.steps, 10000);
+        suite.at_most("work of residuals, of the energy",
+                      result.residual_work,
+                      residual_work);
+        if (!is_stabilised)
+          return result;
         suite.at_most("balance error, of sqrt(steps) times the round-off of "
                       "the energy",
                       growth(result.balance_errors),
                       5.);
-        suite.at_most("work of residuals, of the energy",
-                      result.residual_work,
-                      residual_work);
         suite.at_most("energy that the ledger does not account for",
                       result.drift,
                       1e-12);
@@ -267,17 +271,14 @@ namespace emmy
           "10,000 steps",
           "A block that spins and swings in free flight, some sixty turns; a "
           "bar, held at one end, that swings along its axis.\nWithout a remedy "
-          "the block meets a singular matrix now and then, and what Newton "
-          "leaves there is its drift.");
-        const auto block = run_long(
-          suite, "tumbling.prm", "tumbling block, 6 x 6 points", {}, 1e-6);
-        suite.at_most("change of linear momentum, of m v",
-                      block.linear_momentum,
-                      1e-12);
-        suite.at_most("change of angular momentum, of m v times the block's "
-                      "extent",
-                      block.angular_momentum,
-                      1e-7);
+          "the block meets a singular matrix now and then: numbers there are "
+          "so large that round-off leaves more, and Newton too.");
+        run_long(suite,
+                 "tumbling.prm",
+                 "tumbling block, 6 x 6 points",
+                 {},
+                 false,
+                 1e-6);
         for (const bool has_ghosts : {true, false})
           {
             const Remedy &remedy = has_ghosts ? ghosts : aggregation;
@@ -287,6 +288,7 @@ namespace emmy
                        "tumbling block, 2 x 2 points" + remedy.name,
                        with({"Bodies/block/Points per direction=2"},
                             remedy.settings),
+                       true,
                        1e-10);
             suite.at_most("change of linear momentum, of m v",
                           result.linear_momentum,
@@ -295,7 +297,7 @@ namespace emmy
                           result.angular_momentum,
                           has_ghosts ? 1e-3 : 1e-10);
           }
-        run_long(suite, "bar.prm", "vibrating bar", {}, 1e-10);
+        run_long(suite, "bar.prm", "vibrating bar", {}, true, 1e-10);
 
         std::vector<Point> line;
         for (const double n : {1., 1e4})
