@@ -458,7 +458,7 @@ namespace emmy
       };
       const char *const energies =
         "set xlabel 'time, s'\nset ylabel 'energy / initial energy'\n"
-        "set yrange [0:1.05]\n";
+        "set xrange [0:8]\nset yrange [0:1.05]\n";
       const std::string elastic =
                           std::string("set title '7.2, linear'\n") + energies,
                         plastic =
@@ -476,17 +476,18 @@ namespace emmy
          "set logscale xy\nset format '10^{%T}'\n"
          "set title '10,000 steps'\n"
          "set xlabel 'step'\nset ylabel '|balance error| / energy'\n"
-         "set yrange [1e-18:1e-12]\n",
+         "set yrange [1e-18:1e-10]\n",
          "lines"},
         {Panel::elastic, "remedies", elastic.c_str(), "lines"},
         {Panel::plastic, "remedies", plastic.c_str(), "lines"}};
 
       std::ofstream   script(folder + "/" + picture + ".gp");
       gnuplot::Canvas canvas;
-      canvas.height = 900.;
+      canvas.height = 1100.;
       gnuplot::write_preamble(script, picture, canvas);
-      script << "set multiplot layout 1,2\nset key outside below maxrows 3\n"
-                "set grid lc rgb '#dddddd'\n";
+      script
+        << "set multiplot layout 1,2\nset key outside below Left reverse samplen 2\n"
+           "set grid lc rgb '#dddddd'\n";
       for (const Axes &axes : all_axes)
         {
           if (axes.picture != picture)
