@@ -228,7 +228,7 @@ namespace emmy
 
 
   void
-  ParameterFile::set(const std::string &assignment)
+  ParameterFile::set(const std::string &assignment, const std::string &where)
   {
     const std::size_t equals = assignment.find('=');
     const std::string path   = assignment.substr(0, equals);
@@ -238,10 +238,11 @@ namespace emmy
     AssertThrow(equals != std::string::npos &&
                   std::count(names.begin(), names.end(), "") == 0 &&
                   assignment.find_first_of("#\n") == std::string::npos,
-                ExcRun("--set",
+                ExcRun(where,
                        "cannot understand <" + assignment + ">",
-                       "write --set \"Section/Subsection/Name=value\", without "
-                       "# in the value."));
+                       (where == "--set" ? "write --set" : "it must be") +
+                         std::string(" \"Section/Subsection/Name=value\", "
+                                     "without # in the value.")));
 
     Path section;
     for (const std::string &name : names)
@@ -251,7 +252,7 @@ namespace emmy
           {section,
            name,
            is_entry ? trim(assignment.substr(equals + 1)) : "",
-           "--set",
+           where,
            !is_entry});
         section.push_back(name);
       }

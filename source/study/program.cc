@@ -5,6 +5,7 @@
 #include <emmy/study/program.h>
 #include <emmy/study/run.h>
 #include <emmy/study/scene_parameters.h>
+#include <emmy/study/study.h>
 
 #include <iostream>
 #include <string>
@@ -18,6 +19,8 @@ namespace emmy
       R"(emmy: implicit, energy- and momentum-conserving material point method
 
   emmy FILE.prm [options]          run the scene of a parameter file
+  emmy study FILE.prm [options]    run the study of a parameter file: a scene
+                                   with many settings, compared in study.csv
   emmy --check FILE.prm            read it, build the scene, say what each part
                                    will cost; run nothing
   emmy --check --all FILE.prm      and what each absent effect would cost
@@ -25,11 +28,13 @@ namespace emmy
                                    functions and solvers that there are
   emmy --print-parameters          all parameters there are, with units
   emmy --print-parameters FILE.prm all parameters of that file as it sets them
+  emmy study --print-parameters    all parameters of a study
   emmy --version | --help
 
 options
   --set "Section/Name=value"       override an entry; may be repeated
-  --overwrite                      replace the results of an earlier run
+  --overwrite                      replace the results of an earlier run; run
+                                   all members of a study again
 
 In parallel: mpirun -np 2 emmy FILE.prm
 )";
@@ -48,6 +53,7 @@ In parallel: mpirun -np 2 emmy FILE.prm
       std::string              file;
       std::vector<std::string> assignments;
       bool                     overwrite = false, all = false;
+      bool                     is_study = false;
     };
 
     CommandLine
@@ -59,7 +65,9 @@ In parallel: mpirun -np 2 emmy FILE.prm
       };
       CommandLine line;
       for (auto word = words.begin(); word != words.end(); ++word)
-        if (*word == "--help" || *word == "-h")
+        if (*word == "study" && word == words.begin())
+          line.is_study = true;
+        else if (*word == "--help" || *word == "-h")
           line.task = CommandLine::Task::help;
         else if (*word == "--version")
           line.task = CommandLine::Task::version;
@@ -87,6 +95,10 @@ In parallel: mpirun -np 2 emmy FILE.prm
                  "give one; start emmy once per file.");
         else
           line.file = *word;
+      if (line.is_study && (line.task == CommandLine::Task::check ||
+                            line.task == CommandLine::Task::list))
+        refuse("study with --check or --list",
+               "check the base scene: emmy --check FILE.prm.");
       if (line.all && line.task != CommandLine::Task::check)
         refuse("--all without --check",
                "write emmy --check --all FILE.prm to see what the effects "
@@ -131,6 +143,17 @@ In parallel: mpirun -np 2 emmy FILE.prm
     }
 
     void
+    perform_study(const CommandLine   &line,
+                  const ParameterFile &file,
+                  const bool           is_first)
+    {
+      if (line.task != CommandLine::Task::print_parameters)
+        run_study(read_study(file, line.file), line.overwrite, MPI_COMM_WORLD);
+      else if (is_first)
+        print_study_parameters(file, std::cout);
+    }
+
+    void
     perform(const CommandLine &line, const bool is_first)
     {
       using Task = CommandLine::Task;
@@ -147,10 +170,20 @@ In parallel: mpirun -np 2 emmy FILE.prm
             print_catalogue(std::cout);
           return;
         }
-      ParameterFile file =
-        line.file.empty() ? reference_file() : ParameterFile(line.file);
+      ParameterFile file = !line.file.empty() ? ParameterFile(line.file)
+                           : line.is_study    ? reference_study()
+                                              : reference_file();
       for (const std::string &assignment : line.assignments)
         file.set(assignment);
+      if (line.is_study)
+        {
+          perform_study(line, file, is_first);
+          return;
+        }
+      AssertThrow(!file.has_section("Study"),
+                  ExcRun("Section Study",
+                         "<" + line.file + "> describes a study, not a scene",
+                         "run it with emmy study " + line.file + "."));
       if (dimension_of(file) == 2)
         perform<2>(line, file, is_first);
       else

@@ -153,7 +153,7 @@ namespace emmy
       dealii::Utilities::MPI::n_mpi_processes(communicator);
     // swallows everything, for all ranks but the first
     std::ostream  nowhere(nullptr);
-    std::ostream &screen = is_first ? std::cout : nowhere;
+    std::ostream &screen = is_first && !options.is_quiet ? std::cout : nowhere;
 
     const SceneParameters<dim> parameters(file);
     parameters.output.validate();
@@ -198,7 +198,8 @@ namespace emmy
     Frames<dim> frames(scene, parameters, directory);
     frames.initial();
     Progress progress(screen,
-                      is_first && isatty(STDOUT_FILENO) && n_ranks == 1,
+                      is_first && !options.is_quiet && isatty(STDOUT_FILENO) &&
+                        n_ranks == 1,
                       log,
                       parameters.time.end_time,
                       parameters.time.maximum_steps);

@@ -239,7 +239,7 @@ check 'without gnuplot: scripts to draw later' [ -s not_drawn/pictures/energies.
 
 echo "Scenes in prm/"
 n_scenes=0
-for scene in $(cd "$root" && find prm -name '*.prm' | sort); do
+for scene in $(cd "$root" && find prm -name '*.prm' ! -path 'prm/studies/*' | sort); do
   n_scenes=$((n_scenes + 1))
   prints "$scene, --check" --check "$root/$scene"
   tells "$scene, --check"

@@ -67,9 +67,10 @@ namespace emmy
      *   line after --set. Blanks around the names and the value do not count;
      *   the value may be empty and may contain further equal signs, but no #,
      *   which no parameter file could repeat. Throws ExcRun if malformed.
+     * @param where what messages name as its origin
      */
     void
-    set(const std::string &assignment);
+    set(const std::string &assignment, const std::string &where = "--set");
 
     /**
      * What stands in the file for one entry, or what set() put there.

@@ -13,6 +13,7 @@ namespace emmy
     bool only_check  = false; ///< describe the scene, run nothing
     bool with_absent = false; ///< and what the absent effects would cost
     bool overwrite   = false; ///< replace results of an earlier run
+    bool is_quiet    = false; ///< nothing on the screen; run.log as ever
   };
 
   /**

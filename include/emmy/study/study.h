@@ -1,0 +1,30 @@
+#ifndef emmy_study_study_h
+#define emmy_study_study_h
+
+#include <emmy/study/study_plan.h>
+
+#include <deal.II/base/mpi.h>
+
+namespace emmy
+{
+  /**
+   * Run the members of a study one after another, each on all ranks, and write
+   * study.csv. Collective.
+   *
+   * A member that fails is noted with its reason, and the study goes on. Each
+   * run leaves a file member.txt in its folder, once it has ended: how, and
+   * with which parameters, ranks and version of emmy. Where all of these are
+   * the same the run, done or failed, is not repeated, unless @p overwrite is
+   * set. Other results in a member's folder are replaced.
+   *
+   * Throws ExcParameter or ExcRun on all ranks if no member can be read or
+   * none is done, or if no ledger has a quantity; study.csv is there then.
+   * An error that one of several ranks may meet alone is not caught.
+   */
+  void
+  run_study(const StudyPlan &plan,
+            const bool       overwrite,
+            const MPI_Comm   communicator);
+} // namespace emmy
+
+#endif
