@@ -67,13 +67,30 @@ namespace emmy
       make_unique<dim>(blocks);
     }
 
-    /** Larger blocks, until there are not too many of them. @return the level
+    /** A thin grid must not be filled with cells that stick out of it. */
+    unsigned int
+    highest_level(const std::vector<unsigned int> &n_cells)
+    {
+      const unsigned int least =
+        *std::min_element(n_cells.begin(), n_cells.end());
+      unsigned int level = 0;
+      while ((1u << level) <= least)
+        ++level;
+      return level;
+    }
+
+    /**
+     * Larger blocks, until there are not too many of them, or the grid is too
+     * thin. @return the level
      */
     template <int dim>
     unsigned int
-    limit(std::vector<LatticePlace<dim>> &blocks, unsigned int level)
+    limit(std::vector<LatticePlace<dim>> &blocks,
+          unsigned int                    level,
+          const unsigned int              highest)
     {
-      for (; blocks.size() > Window<dim>::most_blocks; ++level)
+      for (; blocks.size() > Window<dim>::most_blocks && level < highest;
+           ++level)
         coarsen<dim>(blocks);
       return level;
     }
@@ -100,17 +117,19 @@ namespace emmy
                       const std::vector<unsigned int> &n_cells,
                       const MPI_Comm                   communicator)
   {
+    const unsigned int highest = highest_level(n_cells),
+                       first   = std::min(least_level, highest);
     // each rank makes few blocks before they are exchanged
     std::vector<Place> occupied;
     for (Place block : cells)
       {
         for (unsigned int &place : block)
-          place >>= least_level;
+          place >>= first;
         if (occupied.empty() || occupied.back() != block)
           occupied.push_back(block);
       }
     make_unique<dim>(occupied);
-    const Place        last = last_block<dim>(n_cells, least_level);
+    const Place        last = last_block<dim>(n_cells, first);
     std::vector<Place> own;
     for (const Place &block : occupied)
       {
@@ -125,7 +144,7 @@ namespace emmy
         });
       }
     make_unique<dim>(own);
-    const unsigned int own_level = limit<dim>(own, least_level),
+    const unsigned int own_level = limit<dim>(own, first, highest),
                        common_level =
                          dealii::Utilities::MPI::max(own_level, communicator);
     for (unsigned int level = own_level; level < common_level; ++level)
@@ -137,7 +156,7 @@ namespace emmy
          dealii::Utilities::MPI::all_gather(communicator, own))
       window.places.insert(window.places.end(), blocks.begin(), blocks.end());
     make_unique<dim>(window.places);
-    window.refinements = limit<dim>(window.places, common_level);
+    window.refinements = limit<dim>(window.places, common_level, highest);
     if (window.places.empty())
       window.places.push_back({});
 

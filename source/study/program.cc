@@ -33,6 +33,8 @@ namespace emmy
 
 options
   --set "Section/Name=value"       override an entry; may be repeated
+  --all                            of a run: say at its head what each absent
+                                   effect would cost too
   --overwrite                      replace the results of an earlier run; run
                                    all members of a study again
 
@@ -99,8 +101,10 @@ In parallel: mpirun -np 2 emmy FILE.prm
                             line.task == CommandLine::Task::list))
         refuse("study with --check or --list",
                "check the base scene: emmy --check FILE.prm.");
-      if (line.all && line.task != CommandLine::Task::check)
-        refuse("--all without --check",
+      if (line.all &&
+          (line.is_study || (line.task != CommandLine::Task::check &&
+                             line.task != CommandLine::Task::run)))
+        refuse("--all without a scene to check or run",
                "write emmy --check --all FILE.prm to see what the effects "
                "would cost that the scene does not have.");
       if (line.task == CommandLine::Task::list &&

@@ -187,7 +187,7 @@ namespace emmy
 
     std::ostringstream head;
     head << "emmy " EMMY_VERSION ": " << directory.path() << '\n';
-    scene.describe(head, initial, card, /*with_absent=*/false);
+    scene.describe(head, initial, card, options.with_absent);
     list_unused_sections(file, parameters, head);
     screen << head.str() << std::flush;
     log << head.str() << std::flush;

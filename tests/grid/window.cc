@@ -254,6 +254,15 @@ namespace
     check(!window.has_surroundings_of({{500, 500, 250}}),
           "other cells are not there");
 
+    // a layer of one cell in a grid of one cell in height
+    std::vector<Window::Place> layer;
+    for (unsigned int i = 0; i < 200; ++i)
+      for (unsigned int j = 0; j < 200; ++j)
+        layer.push_back({{i, j, 0}});
+    const Window thin = Window::around(layer, {200, 200, 1}, MPI_COMM_SELF);
+    check(thin.blocks().size() << (3 * thin.level()) <= 2 * layer.size(),
+          "a thin grid has at most one cell above the layer");
+
     const Window nothing = Window::around({}, n_cells, MPI_COMM_SELF);
     check(nothing.blocks().size() == 1, "no cell asked for: one block");
     const Window all = Window::whole({12, 20, 8});
@@ -272,6 +281,11 @@ main(int argc, char *argv[])
 {
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   check_blocks();
+  if (argc != 2)
+    {
+      std::cerr << "usage: test_window FILE.prm\n";
+      return 2;
+    }
   check_flights(ParameterFile(argv[1]));
   check_far_apart();
   check_ragged_side();

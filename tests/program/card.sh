@@ -54,8 +54,11 @@ refused()
   check "$name: says why" says err "$words"
   check "$name: a remedy" says err 'Remedy:'
 }
-refused '--all alone' '--all without --check' --all
-refused '--all with a run' '--all without --check' --all base.prm
+refused '--all alone' 'no parameter file' --all
+refused '--all with a study' '--all without a scene' study --all base.prm
+refused '--all with --list' '--all without a scene' --list --all
+emmy_run --all base.prm --set Output/Directory=all
+check '--all with a run: its head has what is absent' matches all/run.log '^    aggregation .*constraints of all solves'
 refused '--list with a file' '--list with <base.prm>' --list base.prm
 refused '--list with --set' '--list with <--set>' --list --set 'Time/Factor=2'
 refused '--check --all alone' 'no parameter file' --check --all

@@ -20,6 +20,8 @@ namespace emmy
    *
    * All ranks hold the same blocks. There are at most about most_blocks of
    * them, whatever the size of the bodies: larger windows have larger blocks.
+   * Only in thin grids there may be more: no block is more than twice as wide
+   * as the grid's least number of cells.
    */
   template <int dim>
   class Window
