@@ -92,6 +92,12 @@ namespace emmy
     const double           epsilon = mapping.lumping;
     const bool             without_walls =
       mapping.walls != PointMapping::Walls::constrained;
+    const auto walls_scope = [&] {
+      return effect_scope(phases,
+                          mapping.walls == PointMapping::Walls::inelastic
+                            ? inelastic_walls_effect
+                            : unconstrained_walls_effect);
+    };
     start.mass        = 0.;
     start.damped_mass = 0.;
     if (without_walls)
@@ -134,6 +140,7 @@ namespace emmy
           }
         if (epsilon > 0.)
           {
+            const auto timed = effect_scope(phases, lumping_effect);
             cell_mass *= 1. - epsilon;
             for (unsigned int i = 0; i < dim * n; ++i)
               cell_mass(i, i) += epsilon * row_sums[i];
@@ -147,7 +154,10 @@ namespace emmy
         active.constraints().affine().distribute_local_to_global(
           cell_mass, dofs, start.damped_mass);
         if (without_walls)
-          start.damped_mass_without_walls.add(dofs, cell_mass);
+          {
+            const auto timed = walls_scope();
+            start.damped_mass_without_walls.add(dofs, cell_mass);
+          }
       }
     if (find_ghost_faces)
       {
@@ -157,7 +167,10 @@ namespace emmy
     start.mass.compress(dealii::VectorOperation::add);
     start.damped_mass.compress(dealii::VectorOperation::add);
     if (without_walls)
-      start.damped_mass_without_walls.compress(dealii::VectorOperation::add);
+      {
+        const auto timed = walls_scope();
+        start.damped_mass_without_walls.compress(dealii::VectorOperation::add);
+      }
   }
 
   template <int dim>

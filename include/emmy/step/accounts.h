@@ -45,10 +45,7 @@ namespace emmy
   };
 
   /** The names of causes in the table of times. */
-  constexpr const char *lumping_effect = "lumping", *pic_effect = "PIC",
-                       *inelastic_walls_effect     = "inelastic walls",
-                       *unconstrained_walls_effect = "unconstrained walls",
-                       *moving_walls_effect        = "moving walls";
+  constexpr const char *moving_walls_effect = "moving walls";
 
   /** What these cost. */
   std::vector<EffectCard>

@@ -37,6 +37,11 @@ namespace emmy
     } walls = Walls::constrained;
   };
 
+  /** Names of what costs when it is chosen, as cards and prices have them. */
+  constexpr const char *lumping_effect = "lumping", *pic_effect = "PIC",
+                       *inelastic_walls_effect     = "inelastic walls",
+                       *unconstrained_walls_effect = "unconstrained walls";
+
   /** Damping of the mass matrix in linear solvers, relative. */
   constexpr double mass_damping = 1e-13;
 
