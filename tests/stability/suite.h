@@ -56,6 +56,11 @@ namespace emmy
       bool is_stabilised = true;
     };
 
+    /** Run a file of @p folder/prm to its end or an error. */
+    template <int dim>
+    Result
+    run_scene(const std::string &folder, const Run<dim> &run);
+
     /** What is done against small cuts. */
     struct Remedy
     {
