@@ -25,6 +25,7 @@ namespace emmy
                                    and on a page with pictures
   emmy --check FILE.prm            read it, build the scene, say what each part
                                    will cost; run nothing
+  emmy study --check FILE.prm      read all members of a study; run nothing
   emmy --check --all FILE.prm      and what each absent effect would cost
   emmy --list                      the effects, materials, shapes, shape
                                    functions and solvers that there are
@@ -113,10 +114,8 @@ In parallel: mpirun -np 2 emmy FILE.prm
                  "give one; start emmy once per file.");
         else
           line.file = *word;
-      if (line.is_study && (line.task == CommandLine::Task::check ||
-                            line.task == CommandLine::Task::list))
-        refuse("study with --check or --list",
-               "check the base scene: emmy --check FILE.prm.");
+      if (line.is_study && line.task == CommandLine::Task::list)
+        refuse("study with --list", "emmy --list alone lists what there is.");
       if (line.tolerance > 0. &&
           !(line.is_study && line.task == CommandLine::Task::run))
         refuse("--tolerance without a study",
@@ -174,7 +173,9 @@ In parallel: mpirun -np 2 emmy FILE.prm
       if (line.task != CommandLine::Task::print_parameters)
         {
           const StudyPlan plan = read_study(file, line.file);
-          if (line.tolerance > 0.)
+          if (line.task == CommandLine::Task::check)
+            check_study(plan, MPI_COMM_WORLD);
+          else if (line.tolerance > 0.)
             answer_study(plan, line.tolerance, MPI_COMM_WORLD);
           else
             run_study(plan, line.overwrite, MPI_COMM_WORLD);

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <sstream>
 
 namespace emmy
 {
@@ -161,6 +162,33 @@ namespace emmy
            << " of " << n_members << "; table in " << csv << '\n';
     require_results(table, communicator);
     on_first_rank([&] { write_report(plan, table, screen); }, communicator);
+  }
+
+  void
+  check_study(const StudyPlan &plan, const MPI_Comm communicator)
+  {
+    const bool is_first =
+      dealii::Utilities::MPI::this_mpi_process(communicator) == 0;
+    const StudyTable   table(plan); // names of columns
+    std::ostringstream text;
+    unsigned int       n_problems = 0;
+    for (const StudyMember &member : plan.members)
+      {
+        const std::string problem = reading_problem(plan, member);
+        n_problems += !problem.empty();
+        text << member.name << ": " << plan.setting(member)
+             << (problem.empty() ? "" : "\n  CANNOT BE READ: " + problem)
+             << '\n';
+      }
+    if (is_first)
+      std::cout << text.str();
+    throw_together(communicator,
+                   "Study",
+                   n_problems == 0
+                     ? ""
+                     : std::to_string(n_problems) + " members cannot be read",
+                   "see above; correct <Entries> or <Values> of its lists, or "
+                   "its base scene.");
   }
 
   void

@@ -75,10 +75,9 @@ namespace emmy
   {
     if (!plan.has_sizes())
       return unknown;
-    const StudyList   &list  = plan.lists[plan.refined_list];
-    const std::string &value = plan.members[member].values[plan.refined_list];
-    return list.sizes[std::find(list.values.begin(), list.values.end(), value) -
-                      list.values.begin()];
+    const StudyList &list = plan.lists[plan.refined_list];
+    return list
+      .sizes[list.position(plan.members[member].values[plan.refined_list])];
   }
 
 

@@ -18,12 +18,13 @@ namespace emmy
 
   namespace
   {
-    /** Items between bars; blank ones too, as an empty value is a value. */
+    /** Items between separators; blank ones too, as a value may be empty. */
     std::vector<std::string>
-    split_at_bars(const std::string &text)
+    split(const std::string &text, const char separator)
     {
       // split_string_list() drops an empty last item
-      auto items = dealii::Utilities::split_string_list(text + "|.", '|');
+      auto items =
+        dealii::Utilities::split_string_list(text + separator + ".", separator);
       items.pop_back();
       return items;
     }
@@ -56,7 +57,7 @@ namespace emmy
     class ListParameters : public Section
     {
     public:
-      std::string         entries, values, label;
+      std::string         entries, values, value_names, label;
       std::vector<double> sizes;
 
       explicit ListParameters(const std::string &path)
@@ -66,12 +67,17 @@ namespace emmy
                       entries,
                       "The entry of the base scene that the list varies, e.g. "
                       "Time/Step size. Several, with | between them, all take "
-                      "the same value. Ranks: how many ranks run the member. "
-                      "Required.");
+                      "the same value, or each its part of it. Ranks: how many "
+                      "ranks run the member. Required.");
         add_parameter("Values",
                       values,
                       "The values, with | between them, from coarse to fine. "
-                      "One may be empty. Required.");
+                      "One may be empty. With & in a value each entry takes "
+                      "one part of it. Required.");
+        add_parameter("Value names",
+                      value_names,
+                      "What the values are called in tables and pictures, "
+                      "with | between them. Empty: as they are.");
         add_parameter("Sizes",
                       sizes,
                       "A positive number for each value that orders and "
@@ -93,8 +99,9 @@ namespace emmy
           AssertThrow(condition, ExcParameter(path(), entry, value, advice));
         };
         StudyList result{name,
-                         split_at_bars(entries),
-                         split_at_bars(values),
+                         split(entries, '|'),
+                         split(value_names.empty() ? values : value_names, '|'),
+                         {},
                          sizes,
                          label.empty() ? name : label};
         for (const std::string &entry : result.entries)
@@ -117,9 +124,27 @@ namespace emmy
           require(std::count(result.values.begin(),
                              result.values.end(),
                              value) == 1,
-                  "Values",
-                  values,
+                  value_names.empty() ? "Values" : "Value names",
+                  value_names.empty() ? values : value_names,
                   "<" + value + "> is there twice. Remove one of them.");
+        for (const std::string &value : split(values, '|'))
+          {
+            const bool has_parts = value.find('&') != std::string::npos;
+            result.settings.push_back(
+              has_parts
+                ? split(value, '&')
+                : std::vector<std::string>(result.entries.size(), value));
+            require(result.settings.back().size() == result.entries.size(),
+                    "Values",
+                    value,
+                    "give one part for each of the " +
+                      std::to_string(result.entries.size()) + " entries.");
+          }
+        require(result.settings.size() == result.values.size(),
+                "Value names",
+                value_names,
+                "give one for each of the " +
+                  std::to_string(result.settings.size()) + " values, or none.");
         require(sizes.empty() || sizes.size() == result.values.size(),
                 "Sizes",
                 join_numbers(sizes),

@@ -25,17 +25,13 @@ namespace emmy
                                               "(3,3)",
                                               "(10,3,2,3)"};
 
-    /** Position of a value in its list. */
+    /** Position of a member's value in its list. */
     unsigned int
     position(const StudyPlan   &plan,
              const unsigned int list,
              const unsigned int member)
     {
-      const auto &values = plan.lists[list].values;
-      return std::find(values.begin(),
-                       values.end(),
-                       plan.members[member].values[list]) -
-             values.begin();
+      return plan.lists[list].position(plan.members[member].values[list]);
     }
 
     /** What the members of a curve look like. */

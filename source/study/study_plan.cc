@@ -1,8 +1,16 @@
 #include <emmy/base/text.h>
 #include <emmy/study/study_plan.h>
 
+#include <algorithm>
+
 namespace emmy
 {
+  unsigned int
+  StudyList::position(const std::string &value) const
+  {
+    return std::find(values.begin(), values.end(), value) - values.begin();
+  }
+
   std::string
   StudyPlan::folder(const StudyMember &member,
                     const unsigned int repetition) const
@@ -22,9 +30,12 @@ namespace emmy
         result.set(std::string("Output/") + entry, member.name);
     // after that: a list may ask for frames
     for (unsigned int i = 0; i < lists.size(); ++i)
-      for (const std::string &entry : lists[i].entries)
+      for (unsigned int e = 0; e < lists[i].entries.size(); ++e)
         if (!lists[i].is_ranks())
-          result.set(entry + "=" + member.values[i], member.name);
+          result.set(
+            lists[i].entries[e] + "=" +
+              lists[i].settings[lists[i].position(member.values[i])][e],
+            member.name);
     result.set("Output/Directory=" + folder(member, repetition), member.name);
     return result;
   }
@@ -43,7 +54,8 @@ namespace emmy
   {
     for (unsigned int i = 0; i < lists.size(); ++i)
       if (lists[i].is_ranks())
-        return std::stoul(member.values[i]);
+        return std::stoul(
+          lists[i].settings[lists[i].position(member.values[i])][0]);
     return 0;
   }
 } // namespace emmy

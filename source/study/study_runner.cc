@@ -81,15 +81,20 @@ namespace emmy
     return {};
   }
 
+  std::string
+  reading_problem(const StudyPlan &plan, const StudyMember &member)
+  {
+    return failure_of([&] { parameters_text(plan.scene(member, 0)); },
+                      /*is_alone=*/false);
+  }
+
   void
   require_readable_members(const StudyPlan &plan)
   {
     std::string first_problem;
     for (const StudyMember &member : plan.members)
       {
-        const std::string problem =
-          failure_of([&] { parameters_text(plan.scene(member, 0)); },
-                     /*is_alone=*/false);
+        const std::string problem = reading_problem(plan, member);
         if (problem.empty())
           return;
         if (first_problem.empty())

@@ -177,9 +177,16 @@ refused 'a scene' 'base.prm> has no section Study' study ../files/base.prm
 refused 'not as study' 'run it with emmy study ../files/crossed.prm' ../files/crossed.prm
 printf 'subsection Study\nset Base scene = base.prm\nset Directory = refused\nend\n' >../files/empty.prm
 refused 'no lists' '<Study/Names> is <>: it is required' study ../files/empty.prm
-refused '--check' 'study with --check' study --check ../files/crossed.prm
+refused '--list' 'study with --list' study --list
+refused '--check' '4 members cannot be read' study --check ../files/crossed.prm --set 'Study/dt/Entries=Time/Step sise'
+emmy_run study --check ../files/crossed.prm
+succeeds '--check of a good one'
+check '--check: members' has_lines 4 "$work/out" '^member-00.: mapping = .*, dt = '
 refused_set 'scene' '<Study/Base scene> is <absent.prm>: there is no file <../files/absent.prm>' 'Base scene=absent.prm'
 refused_set 'unknown' 'did you mean <Values>?' 'dt/Value=1'
+refused_set 'parts' 'give one part for each of the 1 entries' 'dt/Values=0.1 & 0.2'
+refused_set 'names of values' 'give one for each of the 2 values' 'dt/Value names=a | b | c'
+refused_set 'names twice' '<a> is there twice' 'dt/Value names=a | a'
 refused_set 'no values' '<Study/dt/Values> is <>: it is required' 'dt/Values='
 refused_set 'twice' '<0.1> is there twice' 'dt/Values=0.1 | 0.1'
 refused_set 'directory of a member' "the study chooses each member's folder" 'dt/Entries=Output/Directory'
@@ -258,6 +265,16 @@ for picture in error-seconds error-size; do
   fi
 done
 
+echo "Parts and names of values"
+emmy_run study ../files/paired.prm --set 'Study/Directory=parts' --set 'Study/Names=mapping, dt, both' \
+  --set 'Study/mapping/Values=FLIP' --set 'Study/dt/Values=0.125' \
+  --set 'Study/both/Entries=Method/Lumping | Time/End time' --set 'Study/both/Values=0 & 0.25 | 1 & 0.5' \
+  --set 'Study/both/Value names=sharp | lumped'
+succeeds parts
+check 'parts: names' matches parts/study.csv '^member-002,FLIP,0.125,lumped,done,'
+check 'parts: first' matches parts/member-002/parameters.prm 'set Lumping +=  *1( |$)'
+check 'parts: second' is "$(last parts/member-002 time) == 0.5"
+
 echo "The cheapest for a tolerance"
 emmy_run study ../files/crossed.prm --set 'Study/dt/Values=0.25 | 0.1' --tolerance 1
 succeeds tolerance
@@ -292,13 +309,13 @@ done
 check 'two ranks: are in the table' [ "$(cell two member-001 ranks)" = 2 ]
 
 echo "Studies in prm/"
-n_studies=0
 for study in "$root"/prm/studies/*.prm; do
-  n_studies=$((n_studies + 1))
-  emmy_run study "$study" --set "Study/Directory=study_$n_studies" --set 'Study/Repetitions=1'
+  emmy_run study --check "$study"
   succeeds "$study"
-  check "$study: all members are done" not matches study_$n_studies/study.csv failed
 done
+emmy_run study "$root/prm/studies/block-dt.prm" --set "Study/Directory=study_1" --set 'Study/Repetitions=1'
+succeeds block-dt
+check "block-dt: all members are done" not matches study_1/study.csv failed
 difference=$(cell study_1 member-001 kinetic_energy_difference)
 for member in member-002 member-003; do
   finer=$(cell study_1 $member kinetic_energy_difference)

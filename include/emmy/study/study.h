@@ -28,6 +28,13 @@ namespace emmy
             const MPI_Comm   communicator);
 
   /**
+   * List the members, and read the scene of each. Runs nothing. Collective.
+   * Throws ExcRun on all ranks if one cannot be read.
+   */
+  void
+  check_study(const StudyPlan &plan, const MPI_Comm communicator);
+
+  /**
    * Say on the screen which member that has run is the cheapest with at most
    * this @p tolerance, for each quantity. Runs nothing. Collective. Throws
    * ExcRun on all ranks if there is none.

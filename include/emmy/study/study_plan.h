@@ -13,11 +13,17 @@ namespace emmy
   struct StudyList
   {
     std::string              name;    ///< its section, its column in study.csv
-    std::vector<std::string> entries; ///< of the scene; all take the value
-    std::vector<std::string> values;
+    std::vector<std::string> entries; ///< of the scene
+    std::vector<std::string> values;  ///< their names, all different
+    /** For each value what each entry is set to. */
+    std::vector<std::vector<std::string>> settings;
     /** A length, a step, ... for each value; empty if they are no numbers. */
     std::vector<double> sizes;
     std::string         label; ///< of an axis for the sizes
+
+    /** Number of a value, of those that there are. */
+    unsigned int
+    position(const std::string &value) const;
 
     /** Whether the values are numbers of ranks, not an entry of the scene. */
     bool
@@ -47,7 +53,7 @@ namespace emmy
   struct StudyMember
   {
     std::string              name;   ///< member-001, ...; also its folder
-    std::vector<std::string> values; ///< one per list
+    std::vector<std::string> values; ///< name of one per list
   };
 
   /**

@@ -16,6 +16,10 @@ namespace emmy
   std::string
   failure_of(const std::function<void()> &work, const bool is_alone);
 
+  /** Why the scene of a member cannot be read; empty if it can. */
+  std::string
+  reading_problem(const StudyPlan &plan, const StudyMember &member);
+
   /**
    * Throws ExcRun if no member can be read: a mistake of the study, not of
    * one member.
