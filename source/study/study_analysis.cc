@@ -47,7 +47,7 @@ namespace emmy
       {
         std::vector<std::string> rest;
         for (unsigned int i = 0; i < plan.lists.size(); ++i)
-          if (i != along && !plan.is_paired)
+          if (i != along && !plan.is_paired && plan.lists[i].varies())
             rest.push_back(plan.lists[i].name + " = " +
                            plan.members[m].values[i]);
         const std::string name = join(rest);

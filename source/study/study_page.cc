@@ -208,7 +208,8 @@ namespace emmy
           << plan.repetitions << ", and longest less shortest.\n";
       std::vector<std::string> head;
       for (const StudyList &list : plan.lists)
-        head.push_back(list.name);
+        if (list.varies())
+          head.push_back(list.name);
       for (const StudyQuantity &quantity : plan.quantities)
         head.push_back("error of " + quantity.words);
       head.insert(head.end(),
@@ -219,7 +220,10 @@ namespace emmy
         is_best.push_back(pareto_front(table.all_seconds(), table.errors(q)));
       for (unsigned int m = 0; m < plan.members.size(); ++m)
         {
-          std::vector<std::string> row = plan.members[m].values;
+          std::vector<std::string> row;
+          for (unsigned int i = 0; i < plan.lists.size(); ++i)
+            if (plan.lists[i].varies())
+              row.push_back(plan.members[m].values[i]);
           for (unsigned int q = 0; q < plan.quantities.size(); ++q)
             row.push_back(is_best[q][m]
                             ? "**" + number(table.error(m, q)) + "**"

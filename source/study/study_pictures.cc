@@ -41,7 +41,7 @@ namespace emmy
       const unsigned int        along = plan.list_of_curves();
       std::vector<unsigned int> choice;
       for (unsigned int i = 0; i < plan.lists.size(); ++i)
-        if (i != along && !plan.is_paired && plan.lists[i].values.size() > 1)
+        if (i != along && !plan.is_paired && plan.lists[i].varies())
           choice.push_back(position(plan, i, curve.members[0]));
       choice.resize(std::max<std::size_t>(choice.size(), 1), 0);
       const unsigned int colour = choice[0] % colours.size();
@@ -69,14 +69,15 @@ namespace emmy
     {
       const double        first = low / room, last = high * room;
       std::vector<double> tics;
+      const int           every = 1 + std::log10(last / first) / 8.;
       for (int power = std::floor(std::log10(first));
            power <= std::ceil(std::log10(last));
            ++power)
         for (const double digit : {1., 2., 5.})
           {
             const double tic = digit * std::pow(10., power);
-            if ((digit == 1. || last / first < 50.) && tic >= first &&
-                tic <= last)
+            if ((digit == 1. || last / first < 50.) && power % every == 0 &&
+                tic >= first && tic <= last)
               tics.push_back(tic);
           }
       script << "set " << axis << "range [" << first << ':' << last << "]\nset "

@@ -45,7 +45,8 @@ namespace emmy
   {
     std::vector<std::string> items;
     for (unsigned int i = 0; i < lists.size(); ++i)
-      items.push_back(lists[i].name + " = " + member.values[i]);
+      if (lists[i].varies())
+        items.push_back(lists[i].name + " = " + member.values[i]);
     return join(items);
   }
 

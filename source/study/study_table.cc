@@ -381,7 +381,8 @@ namespace emmy
   {
     std::vector<std::vector<std::string>> lines{{"member"}};
     for (const StudyList &list : plan.lists)
-      lines[0].push_back(list.name);
+      if (list.varies())
+        lines[0].push_back(list.name);
     lines[0].insert(lines[0].end(), {"state", "seconds"});
     for (const StudyQuantity &quantity : plan.quantities)
       lines[0].push_back(quantity.name() + "_error");
@@ -391,8 +392,9 @@ namespace emmy
           return std::isnan(number) ? std::string("-") : brief(number);
         };
         lines.push_back({plan.members[m].name});
-        for (const std::string &value : plan.members[m].values)
-          lines.back().push_back(value);
+        for (unsigned int i = 0; i < plan.lists.size(); ++i)
+          if (plan.lists[i].varies())
+            lines.back().push_back(plan.members[m].values[i]);
         lines.back().insert(lines.back().end(),
                             {rows[m].state, text(seconds(m))});
         for (unsigned int q = 0; q < plan.quantities.size(); ++q)

@@ -21,6 +21,13 @@ namespace emmy
     std::vector<double> sizes;
     std::string         label; ///< of an axis for the sizes
 
+    /** Whether members differ in it: a list of one value is not shown. */
+    bool
+    varies() const
+    {
+      return values.size() > 1;
+    }
+
     /** Number of a value, of those that there are. */
     unsigned int
     position(const std::string &value) const;
@@ -89,7 +96,7 @@ namespace emmy
     ParameterFile
     scene(const StudyMember &member, const unsigned int repetition) const;
 
-    /** "dt = 0.1, functions = GIMP": the values of a member. */
+    /** "dt = 0.1, functions = GIMP": the values of a member that vary. */
     std::string
     setting(const StudyMember &member) const;
 
