@@ -103,6 +103,7 @@ namespace
     for (const std::string setting : {"Bodies/left/ball/Center=0.8, 1.8",
                                       "Boundary conditions/Fixed=x-min",
                                       "Method/Wall mapping=inelastic",
+                                      "Effects/Names=ghost stabilisation",
                                       "Solver/Linear solver=GMRES",
                                       "Time/Maximum steps=3",
                                       "Output/Frames=0",
