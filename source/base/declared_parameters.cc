@@ -64,21 +64,21 @@ namespace emmy
         };
 
         if (has_leaf("value"))
-          declarations.push_back({home,
-                                  name,
-                                  Kind::entry,
-                                  text("pattern_description"),
-                                  text("documentation")});
+          add({home,
+               name,
+               Kind::entry,
+               text("pattern_description"),
+               text("documentation")});
         else if (has_leaf("alias"))
           {
             Declaration alias = *find(home, text("alias"), false);
             alias.name        = name;
             alias.kind        = Kind::alias;
-            declarations.push_back(alias);
+            add(alias);
           }
         else
           {
-            declarations.push_back({home, name, Kind::section, "", ""});
+            add({home, name, Kind::section, "", ""});
             Path section = home;
             section.push_back(name);
             collect(node, section);
@@ -92,11 +92,19 @@ namespace emmy
                            const std::string &name,
                            const bool         is_section) const
   {
-    for (const Declaration &one : declarations)
-      if (one.name == name && one.home == home &&
-          (one.kind == Kind::section) == is_section)
-        return &one;
-    return nullptr;
+    const auto &of_kind = is_section ? sections : entries;
+    const auto  found   = of_kind.find({home, name});
+    return found == of_kind.end() ? nullptr : &declarations[found->second];
+  }
+
+
+  void
+  DeclaredParameters::add(const Declaration &declaration)
+  {
+    // the first of a name counts
+    (declaration.kind == Kind::section ? sections : entries)
+      .insert({{declaration.home, declaration.name}, declarations.size()});
+    declarations.push_back(declaration);
   }
 
 

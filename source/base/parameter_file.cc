@@ -70,6 +70,24 @@ namespace emmy
       return section.empty() ? name : join(section, "/") + "/" + name;
     }
 
+    /** Whether that is the full name; scenes ask often, so without making it.
+     */
+    bool
+    is_path_of(const std::vector<std::string> &section,
+               const std::string              &name,
+               const std::string              &path)
+    {
+      std::size_t at = 0;
+      for (const std::string &one : section)
+        {
+          if (path.compare(at, one.size(), one) != 0 ||
+              at + one.size() >= path.size() || path[at + one.size()] != '/')
+            return false;
+          at += one.size() + 1;
+        }
+      return path.compare(at, std::string::npos, name) == 0;
+    }
+
 
     /** Open a file to read. Opening a directory succeeds, but is no use. */
     std::ifstream
@@ -266,7 +284,7 @@ namespace emmy
     std::string result = default_value;
     for (const Statement &statement : statements)
       if (!statement.opens_section &&
-          full_name(statement.section, statement.name) == path)
+          is_path_of(statement.section, statement.name, path))
         result = statement.value;
     return result;
   }

@@ -97,6 +97,8 @@ namespace emmy
   Phases::add_iterations(const std::string_view phase, const std::size_t n)
   {
     phases[find_or_add(phases, phase)].iterations += n;
+    if (open_effect != no_effect)
+      effects_of_run[open_effect].iterations += n;
   }
 
 

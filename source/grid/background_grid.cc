@@ -25,7 +25,8 @@ namespace emmy
     this->add_parameter("Cells",
                         cells,
                         "Number of equal cells per direction. Required. "
-                        "Where no body is near they cost nothing.",
+                        "Where no body is near they cost nothing, but for a "
+                        "body that is an expression without corners.",
                         this->prm,
                         dealii::Patterns::List(dealii::Patterns::Integer(0),
                                                dim,

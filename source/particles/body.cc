@@ -4,8 +4,8 @@
 #include <emmy/grid/boundary_conditions.h>
 #include <emmy/particles/body.h>
 
+#include <algorithm>
 #include <cmath>
-
 #include <limits>
 
 namespace emmy
@@ -143,6 +143,43 @@ namespace emmy
     return points;
   }
 
+  namespace
+  {
+    /**
+     * First and last cell of the grid that a shape may reach: with a cell to
+     * spare, as the places of its box's corners are rounded.
+     */
+    template <int dim>
+    std::array<typename BackgroundGrid<dim>::Lattice, 2>
+    reached_cells(const Shape<dim> &shape, const BackgroundGrid<dim> &grid)
+    {
+      const auto box = shape.bounding_box();
+      Point<dim> low, high;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          low[d]  = box.lower_bound(d) - grid.cell_size()[d];
+          high[d] = box.upper_bound(d) + grid.cell_size()[d];
+        }
+      return {{grid.lattice(low), grid.lattice(high)}};
+    }
+
+    /** Call function(place) for all cells from the first to the last. */
+    template <int dim, class Function>
+    void
+    for_each_cell(
+      const std::array<typename BackgroundGrid<dim>::Lattice, 2> &reached,
+      const Function                                             &function)
+    {
+      auto cell = reached[0];
+      for (unsigned int d = 0; d < dim;)
+        {
+          function(cell);
+          for (d = 0; d < dim && ++cell[d] > reached[1][d]; ++d)
+            cell[d] = reached[0][d];
+        }
+    }
+  } // namespace
+
   template <int dim>
   std::vector<typename BackgroundGrid<dim>::Occupied>
   occupied_cells(const std::vector<Body<dim>> &bodies,
@@ -153,28 +190,15 @@ namespace emmy
                        rank    = this_mpi_process(grid.communicator());
     std::vector<typename BackgroundGrid<dim>::Occupied> result;
     for (const Body<dim> &body : bodies)
-      {
-        // with a cell to spare, as the places of its corners are rounded
-        const auto box = body.shape->bounding_box();
-        Point<dim> low, high;
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            low[d]  = box.lower_bound(d) - grid.cell_size()[d];
-            high[d] = box.upper_bound(d) + grid.cell_size()[d];
-          }
-        const auto first = grid.lattice(low), last = grid.lattice(high);
-        auto       cell = first;
-        for (unsigned int d = 0; d < dim;)
-          {
-            // ranks take the layers in turn
-            if (cell[dim - 1] % n_ranks == rank)
-              if (const auto points = points_in_cell(body, grid, cell);
-                  !points.empty())
-                result.emplace_back(cell, points.size());
-            for (d = 0; d < dim && ++cell[d] > last[d]; ++d)
-              cell[d] = first[d];
-          }
-      }
+      for_each_cell<dim>(reached_cells(*body.shape, grid),
+                         [&](const auto &cell) {
+                           // ranks take the layers in turn
+                           if (cell[dim - 1] % n_ranks == rank)
+                             if (const auto points =
+                                   points_in_cell(body, grid, cell);
+                                 !points.empty())
+                               result.emplace_back(cell, points.size());
+                         });
     return result;
   }
 
@@ -240,6 +264,120 @@ namespace emmy
           }
       return "";
     }
+
+    /**
+     * The cells that this rank owns and the bodies whose boxes may meet them,
+     * as indices, cell by cell. Cost: that of the cells in the boxes.
+     */
+    template <int dim>
+    std::vector<std::pair<unsigned int, unsigned int>>
+    bodies_at_cells(
+      const std::vector<typename BackgroundGrid<dim>::Cell> &cells,
+      const std::vector<Body<dim>>                          &bodies,
+      const BackgroundGrid<dim>                             &grid)
+    {
+      std::vector<typename BackgroundGrid<dim>::Lattice> places; // sorted
+      for (const auto &cell : cells)
+        places.push_back(grid.lattice(cell));
+      std::vector<std::pair<unsigned int, unsigned int>> result;
+      for (unsigned int b = 0; b < bodies.size(); ++b)
+        {
+          const auto reached = reached_cells(*bodies[b].shape, grid);
+          double     size    = 1.;
+          for (unsigned int d = 0; d < dim; ++d)
+            size *= reached[1][d] - reached[0][d] + 1.;
+          if (size > cells.size()) // e.g. all of a large grid
+            for (unsigned int c = 0; c < cells.size(); ++c)
+              result.emplace_back(c, b);
+          else
+            for_each_cell<dim>(reached, [&](const auto &place) {
+              const auto found =
+                std::lower_bound(places.begin(), places.end(), place);
+              if (found != places.end() && *found == place)
+                result.emplace_back(found - places.begin(), b);
+            });
+        }
+      std::sort(result.begin(), result.end());
+      return result;
+    }
+
+    /** The points of a body in a cell. */
+    template <int dim>
+    struct Filling
+    {
+      typename BackgroundGrid<dim>::Cell cell;
+      unsigned int                       body;
+      std::vector<Point<dim>>            points;
+    };
+
+    /**
+     * Who is where, cell by cell. Collective; throws ExcRun for bodies that
+     * are cut by the grid, overlap or are empty.
+     */
+    template <int dim>
+    std::vector<Filling<dim>>
+    find_points(const std::vector<Body<dim>> &bodies,
+                const BackgroundGrid<dim>    &grid)
+    {
+      const MPI_Comm             communicator = grid.communicator();
+      const auto                 cells        = grid.owned_cells();
+      const auto                 pairs = bodies_at_cells(cells, bodies, grid);
+      std::vector<Filling<dim>>  result;
+      std::vector<unsigned long> n_points(bodies.size(), 0);
+      std::string                cut, overlap;
+      for (auto first = pairs.begin(); first != pairs.end();)
+        {
+          auto last = first;
+          while (last != pairs.end() && last->first == first->first)
+            ++last;
+          for (auto here = first; here != last; ++here)
+            {
+              const auto &[c, b] = *here;
+              Filling<dim> filling{cells[c],
+                                   b,
+                                   points_in_cell(bodies[b],
+                                                  grid,
+                                                  grid.lattice(cells[c]))};
+              n_points[b] += filling.points.size();
+              for (const Point<dim> &point : filling.points)
+                {
+                  if (cut.empty())
+                    cut = cut_problem(bodies[b], grid, point);
+                  for (auto other = first; other != last; ++other)
+                    if (other != here && overlap.empty() &&
+                        bodies[other->second].shape->contains(point))
+                      overlap =
+                        "bodies <" + bodies[b].name + "> and <" +
+                        bodies[other->second].name + "> overlap, e.g. at (" +
+                        dealii::Patterns::Tools::to_string(point) + ") m";
+                }
+              if (!filling.points.empty())
+                result.push_back(std::move(filling));
+            }
+          first = last;
+        }
+      throw_together(communicator,
+                     "Bodies",
+                     cut,
+                     "enlarge the grid (Grid/Lower corner, Upper corner), or "
+                     "name that side in the body's <Cut by>.");
+      throw_together(communicator,
+                     "Bodies",
+                     overlap,
+                     "move or shrink one of them; bodies may touch.");
+      dealii::Utilities::MPI::sum(n_points, communicator, n_points);
+      const auto empty = std::find(n_points.begin(), n_points.end(), 0);
+      throw_together(
+        communicator,
+        "Bodies",
+        empty == n_points.end()
+          ? ""
+          : "body <" + bodies[empty - n_points.begin()].name +
+              "> holds no particle: no box centre of the cells' subdivision lies "
+              "in its shape",
+        "raise its Points per direction, refine the grid, or check its shape.");
+      return result;
+    }
   } // namespace
 
   template <int dim>
@@ -249,70 +387,22 @@ namespace emmy
        const FieldLayout                       &layout,
        dealii::Particles::ParticleHandler<dim> &particles)
   {
-    using Cell                  = typename BackgroundGrid<dim>::Cell;
     const MPI_Comm communicator = grid.communicator();
+    std::string    outside;
     for (const Body<dim> &body : bodies)
-      throw_together(communicator,
-                     "Bodies",
-                     extent_problem(body, grid),
-                     "enlarge the grid (Grid/Lower corner, Upper corner), "
-                     "move the body, or name that side in its <Cut by>.");
-
-    // who is where
-    struct Filling
-    {
-      Cell                    cell;
-      unsigned int            body;
-      std::vector<Point<dim>> points;
-    };
-    std::vector<Filling>       fillings;
-    std::vector<unsigned long> n_points(bodies.size(), 0);
-    std::string                cut;
-    std::string                overlap;
-    for (const Cell &cell : grid.owned_cells())
-      for (unsigned int b = 0; b < bodies.size(); ++b)
-        {
-          Filling filling{cell,
-                          b,
-                          points_in_cell(bodies[b], grid, grid.lattice(cell))};
-          n_points[b] += filling.points.size();
-          for (const Point<dim> &point : filling.points)
-            if (cut.empty())
-              cut = cut_problem(bodies[b], grid, point);
-          for (const Point<dim> &point : filling.points)
-            for (unsigned int other = 0; other < bodies.size(); ++other)
-              if (other != b && overlap.empty() &&
-                  bodies[other].shape->contains(point))
-                overlap = "bodies <" + bodies[b].name + "> and <" +
-                          bodies[other].name + "> overlap, e.g. at (" +
-                          dealii::Patterns::Tools::to_string(point) + ") m";
-          if (!filling.points.empty())
-            fillings.push_back(std::move(filling));
-        }
+      if (outside.empty())
+        outside = extent_problem(body, grid);
     throw_together(communicator,
                    "Bodies",
-                   cut,
-                   "enlarge the grid (Grid/Lower corner, Upper corner), or "
-                   "name that side in the body's <Cut by>.");
-    throw_together(communicator,
-                   "Bodies",
-                   overlap,
-                   "move or shrink one of them; bodies may touch.");
-    for (unsigned int b = 0; b < bodies.size(); ++b)
-      throw_together(
-        communicator,
-        "Bodies",
-        dealii::Utilities::MPI::sum(n_points[b], communicator) > 0
-          ? ""
-          : "body <" + bodies[b].name +
-              "> holds no particle: no box centre of the cells' subdivision lies "
-              "in its shape",
-        "raise its Points per direction, refine the grid, or check its shape.");
+                   outside,
+                   "enlarge the grid (Grid/Lower corner, Upper corner), "
+                   "move the body, or name that side in its <Cut by>.");
+    const auto fillings = find_points(bodies, grid);
 
     // ids that are unique over the ranks
     unsigned long n_local = 0;
-    for (const unsigned long n : n_points)
-      n_local += n;
+    for (const Filling<dim> &filling : fillings)
+      n_local += filling.points.size();
     dealii::types::particle_index id =
       sum_below_and_total(n_local, communicator).first;
 
@@ -323,7 +413,7 @@ namespace emmy
     std::vector<double>           values = layout.initial_values();
     std::string                   wrong_velocity;
     particles.reserve(n_local);
-    for (const Filling &filling : fillings)
+    for (const Filling<dim> &filling : fillings)
       {
         const Body<dim> &from = bodies[filling.body];
         values[body]          = filling.body;

@@ -32,14 +32,19 @@ namespace emmy
       std::vector<double> values;
 
       void
-      add_to(Section &section, const std::string &name, const std::string &doc)
+      add_to(Section           &section,
+             const std::string &name,
+             const std::string &doc,
+             const std::string &when = "Required")
       {
-        section.add_parameter(
-          name,
-          values,
-          doc + " Unit: m. Required: " + std::to_string(dim) + " coordinates.",
-          section.prm,
-          dealii::Patterns::List(dealii::Patterns::Double(), 0, dim));
+        section.add_parameter(name,
+                              values,
+                              doc + " Unit: m. " + when + ": " +
+                                std::to_string(dim) + " coordinates.",
+                              section.prm,
+                              dealii::Patterns::List(dealii::Patterns::Double(),
+                                                     0,
+                                                     dim));
       }
 
       Point<dim>
@@ -57,6 +62,21 @@ namespace emmy
         return result;
       }
     };
+
+    template <int dim>
+    void
+    require_above(const Section    &section,
+                  const Point<dim> &lower,
+                  const Point<dim> &upper)
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        AssertThrow(upper[d] > lower[d],
+                    ExcParameter(section.path(),
+                                 "Upper corner",
+                                 dealii::Patterns::Tools::to_string(upper),
+                                 "must lie above the lower corner in each "
+                                 "direction."));
+    }
 
     template <int dim>
     class Box : public Shape<dim>
@@ -104,13 +124,7 @@ namespace emmy
       {
         const auto from = lower.point(*this, "Lower corner");
         const auto to   = upper.point(*this, "Upper corner");
-        for (unsigned int d = 0; d < dim; ++d)
-          AssertThrow(to[d] > from[d],
-                      ExcParameter(this->path(),
-                                   "Upper corner",
-                                   dealii::Patterns::Tools::to_string(to),
-                                   "must lie above the lower corner in each "
-                                   "direction."));
+        require_above(*this, from, to);
         return std::make_unique<Box<dim>>(from, to);
       }
 
@@ -275,8 +289,11 @@ namespace emmy
     class Expression : public Shape<dim>
     {
     public:
-      Expression(const std::string &section, const std::string &text)
-        : function(read_formulas<dim>(
+      Expression(const std::string      &section,
+                 const std::string      &text,
+                 const BoundingBox<dim> &box)
+        : box(box)
+        , function(read_formulas<dim>(
             text,
             1,
             section,
@@ -289,22 +306,22 @@ namespace emmy
       bool
       contains(const Point<dim> &position) const override
       {
+        // not point_inside(): it computes with the size, which can be infinite
+        for (unsigned int d = 0; d < dim; ++d)
+          if (position[d] < box.lower_bound(d) ||
+              position[d] > box.upper_bound(d))
+            return false;
         return function->value(position) > 0.;
       }
 
       BoundingBox<dim>
       bounding_box() const override
       {
-        Point<dim> lower, upper;
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            lower[d] = std::numeric_limits<double>::lowest();
-            upper[d] = std::numeric_limits<double>::max();
-          }
-        return BoundingBox<dim>({lower, upper});
+        return box;
       }
 
     private:
+      const BoundingBox<dim>                       box;
       std::unique_ptr<dealii::FunctionParser<dim>> function;
     };
 
@@ -319,16 +336,39 @@ namespace emmy
                             text,
                             "A formula in x, y (and z), in m, that is positive "
                             "inside the body. Required.");
+        const std::string both = "Optional, but then both corners";
+        lower.add_to(*this,
+                     "Lower corner",
+                     "Lower corner of a box; the body is what lies in it. "
+                     "Without one the formula is tried all over the grid, "
+                     "which takes long where the grid is large.",
+                     both);
+        upper.add_to(*this, "Upper corner", "Upper corner of that box.", both);
       }
 
       std::unique_ptr<Shape<dim>>
       make() const override
       {
-        return std::make_unique<Expression<dim>>(this->path(), text);
+        Point<dim> from, to;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            from[d] = std::numeric_limits<double>::lowest();
+            to[d]   = std::numeric_limits<double>::max();
+          }
+        if (!lower.values.empty() || !upper.values.empty())
+          {
+            from = lower.point(*this, "Lower corner");
+            to   = upper.point(*this, "Upper corner");
+            require_above(*this, from, to);
+          }
+        return std::make_unique<Expression<dim>>(this->path(),
+                                                 text,
+                                                 BoundingBox<dim>({from, to}));
       }
 
     private:
-      std::string text;
+      std::string      text;
+      Coordinates<dim> lower, upper;
     };
 
     template <int dim>

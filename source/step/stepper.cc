@@ -358,7 +358,6 @@ namespace emmy
       }
     const LinearResult result = map_velocity(
       method.mapping, wall_velocity, *linear_solver, start, &phases);
-    phases.add_iterations("velocity from momentum", result.iterations);
     if (result.is_solved)
       return;
     std::string verdict, remedy;

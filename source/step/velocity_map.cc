@@ -12,7 +12,8 @@ namespace emmy
                Phases             *phases)
   {
     const Constraints &constraints = start.active->constraints();
-    // the map with and without the essential conditions
+    // the map with and without the essential conditions; an effect that is
+    // being timed has its iterations too
     const auto solve = [&](const Matrix      &damped_mass,
                            const Constraints &constraints,
                            Vector            &velocity) {
@@ -20,6 +21,8 @@ namespace emmy
       if (result.is_solved)
         result = solve_to_round_off(
           linear_solver, start.mass, constraints, start.momentum, velocity);
+      if (phases)
+        phases->add_iterations("velocity from momentum", result.iterations);
       return result;
     };
 
@@ -37,8 +40,7 @@ namespace emmy
       }
     if (result.is_solved && mapping.walls != PointMapping::Walls::constrained)
       {
-        Vector             velocity = start.mean_velocity;
-        const unsigned int so_far   = result.iterations;
+        Vector velocity = start.mean_velocity;
         // the only solve of unconstrained walls is none too many
         const auto timed =
           effect_scope(mapping.walls == PointMapping::Walls::inelastic
@@ -47,7 +49,6 @@ namespace emmy
                        inelastic_walls_effect);
         result =
           solve(start.damped_mass_without_walls, Constraints(), velocity);
-        result.iterations += so_far;
         start.mapped_velocity = std::move(velocity);
       }
     if (mapping.walls == PointMapping::Walls::constrained)

@@ -112,7 +112,12 @@ namespace emmy
       width = std::max(width,
                        line.time.name.size() +
                          (line.time.within.empty() ? 0 : indent));
-    const std::string headings = time_headings("effect", width);
+    const bool has_iterations =
+      std::any_of(lines.begin(), lines.end(), [](const Line &line) {
+        return line.time.iterations > 0.;
+      });
+    const std::string headings =
+      time_headings("effect", width) + (has_iterations ? "  iterations" : "");
     out << '\n'
         << headings << '\n'
         << std::string(headings.size(), '-') << '\n';

@@ -268,6 +268,15 @@ namespace emmy
                      "direction, or faces on multiples of h/points";
           }
         out << '\n';
+        // 1e6 take a second or two
+        double n_boxes = 1.;
+        for (const unsigned int n : grid.n_cells())
+          n_boxes *= double(n) * bodies[b].points_per_direction;
+        if (n_boxes > 1e6 &&
+            !std::isfinite(bodies[b].shape->bounding_box().volume()))
+          line("") << "note: its formula was tried in all " << n_boxes
+                   << " boxes of the grid; the start is faster if its section "
+                      "has a Lower corner and an Upper corner\n";
       }
     const MethodParameters &method = parameters.method;
     line("method") << method.shape_functions

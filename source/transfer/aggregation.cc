@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <tuple>
 
 namespace emmy
 {
@@ -24,34 +26,100 @@ namespace emmy
       return volume;
     }
 
-    /** Add the mass of a body's points, and keep the largest density. */
-    template <int dim>
-    void
-    add_body(const Stencils<dim> &stencils,
-             const double        *mass,
-             const double        *volume,
-             const unsigned int   body,
-             Exchange            &of_body,
-             Exchange            &density)
+    /** What the points of a body give a node. */
+    struct Share
     {
+      dealii::types::global_dof_index node_id;
+      unsigned int                    body;
+      double                          mass; // kg
+
+      template <class Archive>
+      void
+      serialize(Archive &archive, const unsigned int /*version*/)
+      {
+        archive &node_id &body &mass;
+      }
+    };
+
+    /** One share for each node and body, sorted; the sum of those there are. */
+    void
+    merge(std::vector<Share> &shares)
+    {
+      // stable: the order of a sum must not depend on other bodies
+      std::stable_sort(shares.begin(),
+                       shares.end(),
+                       [](const Share &a, const Share &b) {
+                         return std::tie(a.node_id, a.body) <
+                                std::tie(b.node_id, b.body);
+                       });
+      std::size_t n = 0;
+      for (const Share &share : shares)
+        if (n > 0 && shares[n - 1].node_id == share.node_id &&
+            shares[n - 1].body == share.body)
+          shares[n - 1].mass += share.mass;
+        else
+          shares[n++] = share;
+      shares.resize(n);
+    }
+
+    /** The shares of owned nodes, merged, and the largest density. Collective.
+     */
+    template <int dim>
+    std::vector<Share>
+    collect_shares(const Stencils<dim>       &stencils,
+                   const double              *mass,
+                   const double              *volume,
+                   const BackgroundGrid<dim> &grid,
+                   Exchange                  &density)
+    {
+      std::vector<Share> shares;
       for (const auto &group : stencils.groups)
-        if (group.body == body)
-          for (unsigned int a = 0; a < group.n_nodes; ++a)
-            {
-              const double *S   = stencils.value(group, a);
-              const double *m   = mass + group.first_point;
-              const double *V   = volume + group.first_point;
-              double        sum = 0., largest_density = 0.;
-              for (unsigned int p = 0; p < group.n_points; ++p)
-                {
-                  sum += m[p] * S[p];
-                  largest_density = std::max(largest_density, m[p] / V[p]);
-                }
-              const auto id = stencils.node_ids[group.first_node + a];
-              // S may be zero, and then zero or less by round-off
-              of_body(id) += std::max(sum, std::numeric_limits<double>::min());
-              density(id) = std::max<double>(density(id), largest_density);
-            }
+        for (unsigned int a = 0; a < group.n_nodes; ++a)
+          {
+            const double *S   = stencils.value(group, a);
+            const double *m   = mass + group.first_point;
+            const double *V   = volume + group.first_point;
+            double        sum = 0., largest_density = 0.;
+            for (unsigned int p = 0; p < group.n_points; ++p)
+              {
+                sum += m[p] * S[p];
+                largest_density = std::max(largest_density, m[p] / V[p]);
+              }
+            const auto id = stencils.node_ids[group.first_node + a];
+            // S may be zero, and then zero or less by round-off
+            shares.push_back(
+              {id,
+               group.body,
+               std::max(sum, std::numeric_limits<double>::min())});
+            density(id) = std::max<double>(density(id), largest_density);
+          }
+      merge(shares);
+
+      // ghosts are sorted by their owners
+      const auto                                &nodes = *grid.nodes();
+      std::map<unsigned int, std::vector<Share>> of_others;
+      std::vector<Share>                         result;
+      for (const Share &share : shares)
+        if (nodes.in_local_range(share.node_id))
+          result.push_back(share);
+        else
+          {
+            unsigned int ghost =
+              nodes.global_to_local(share.node_id) - nodes.locally_owned_size();
+            auto owner = nodes.ghost_targets().begin();
+            for (; ghost >= owner->second; ++owner)
+              ghost -= owner->second;
+            of_others[owner->first].push_back(share);
+          }
+      for (const auto &[sender, from_there] :
+           dealii::Utilities::MPI::some_to_some(grid.communicator(), of_others))
+        {
+          (void)sender;
+          result.insert(result.end(), from_there.begin(), from_there.end());
+        }
+      merge(result);
+      density.compress(dealii::VectorOperation::max);
+      return result;
     }
 
     /** Find how all nodes are fed; the threshold says which are free. */
@@ -63,33 +131,22 @@ namespace emmy
           const double               threshold,
           const BackgroundGrid<dim> &grid)
     {
-      Feeding result;
-      for (const auto &group : stencils.groups)
-        result.n_bodies = std::max(result.n_bodies, group.body + 1);
-      result.n_bodies =
-        dealii::Utilities::MPI::max(result.n_bodies, grid.communicator());
-
-      Exchange           total(grid.nodes()), density(grid.nodes());
-      const unsigned int n_owned = total.locally_owned_size();
+      Feeding    result;
+      Exchange   density(grid.nodes());
+      const auto shares = collect_shares(stencils, mass, volume, grid, density);
+      const unsigned int  n_owned = density.locally_owned_size();
+      std::vector<double> total(n_owned), largest(n_owned);
       result.body.resize(n_owned);
-      std::vector<double> largest(n_owned);
-      for (unsigned int body = 0; body < result.n_bodies; ++body)
+      for (const Share &share : shares)
         {
-          Exchange of_body(grid.nodes());
-          add_body(stencils, mass, volume, body, of_body, density);
-          of_body.compress(dealii::VectorOperation::add);
-          for (unsigned int i = 0; i < n_owned; ++i)
+          const unsigned int i = grid.nodes()->global_to_local(share.node_id);
+          total[i] += share.mass;
+          if (!reaches(largest[i], share.mass))
             {
-              const double m = of_body.local_element(i);
-              total.local_element(i) += m;
-              if (!reaches(largest[i], m))
-                {
-                  largest[i]     = m;
-                  result.body[i] = body;
-                }
+              largest[i]     = share.mass;
+              result.body[i] = share.body;
             }
         }
-      density.compress(dealii::VectorOperation::max);
 
       result.part.reinit(grid.nodes());
       result.is_free.reinit(grid.nodes());
@@ -98,9 +155,8 @@ namespace emmy
           {
             const auto id = grid.nodes()->local_to_global(i);
             result.part.local_element(i) =
-              total.local_element(i) /
-              (density.local_element(i) *
-               volume_of_node<dim>(grid.node_lattice(id), grid));
+              total[i] / (density.local_element(i) *
+                          volume_of_node<dim>(grid.node_lattice(id), grid));
             result.is_free.local_element(i) =
               reaches(result.part.local_element(i), threshold);
             result.active.push_back(i);

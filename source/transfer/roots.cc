@@ -18,10 +18,14 @@ namespace emmy
     /** Tell the ranks beside this one of the roots of its cells. Collective. */
     template <int dim>
     void
-    exchange(const BackgroundGrid<dim> &grid,
-             const unsigned int         n_bodies,
-             Roots<dim>                &roots)
+    exchange(const BackgroundGrid<dim> &grid, Roots<dim> &roots)
     {
+      std::vector<std::pair<Lattice<dim>, unsigned int>> bodies_at;
+      if (dealii::Utilities::MPI::n_mpi_processes(grid.communicator()) > 1)
+        for (const auto &[cell, root] : roots)
+          bodies_at.emplace_back(cell.second, cell.first);
+      std::sort(bodies_at.begin(), bodies_at.end());
+
       // body, layer, cell and ids
       using Entry = std::array<global_dof_index,
                                2 + dim + BackgroundGrid<dim>::nodes_per_cell>;
@@ -30,20 +34,21 @@ namespace emmy
         grid,
         [&](const Lattice<dim> &lattice) {
           Data data;
-          for (unsigned int body = 0; body < n_bodies; ++body)
-            if (const auto found = roots.find({body, lattice});
-                found != roots.end())
-              {
-                const Root<dim> &root = found->second;
-                Entry            entry{{body, root.layer}};
-                std::copy(root.cell.begin(),
-                          root.cell.end(),
-                          entry.begin() + 2);
-                std::copy(root.ids.begin(),
-                          root.ids.end(),
-                          entry.begin() + 2 + dim);
-                data.push_back(entry);
-              }
+          for (auto here = std::lower_bound(bodies_at.begin(),
+                                            bodies_at.end(),
+                                            std::make_pair(lattice, 0u));
+               here != bodies_at.end() && here->first == lattice;
+               ++here)
+            {
+              const unsigned int body = here->second;
+              const Root<dim>   &root = roots.at({body, lattice});
+              Entry              entry{{body, root.layer}};
+              std::copy(root.cell.begin(), root.cell.end(), entry.begin() + 2);
+              std::copy(root.ids.begin(),
+                        root.ids.end(),
+                        entry.begin() + 2 + dim);
+              data.push_back(entry);
+            }
           return data;
         },
         [&](const Lattice<dim> &lattice, const Data &data) {
@@ -110,11 +115,10 @@ namespace emmy
     template <int dim>
     void
     spread(const std::set<CellOfBody<dim>> &owned,
-           const unsigned int               n_bodies,
            const BackgroundGrid<dim>       &grid,
            Roots<dim>                      &roots)
     {
-      exchange(grid, n_bodies, roots);
+      exchange(grid, roots);
       for (unsigned int i = 0; i < farthest_layer; ++i)
         {
           Roots<dim> found;
@@ -134,7 +138,7 @@ namespace emmy
                 found[cell] = {root->layer + 1, root->cell, root->ids};
             }
           roots.insert(found.begin(), found.end());
-          exchange(grid, n_bodies, roots);
+          exchange(grid, roots);
         }
     }
   } // namespace
@@ -198,7 +202,7 @@ namespace emmy
               for (const auto id : ids)
                 nodes.is_free(id) = 1.;
             }
-        spread(owned, nodes.n_bodies, grid, roots);
+        spread(owned, grid, roots);
       }
     nodes.is_free.compress(dealii::VectorOperation::max);
     return roots;

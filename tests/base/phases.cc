@@ -75,6 +75,7 @@ namespace
         const auto timed  = phases.scope(phase);
         const auto effect = phases.effect("effect");
         const auto part   = phases.effect("part");
+        phases.add_iterations(phase, 2);
       }
     {
       const auto outside = phases.effect("outside of phases");
@@ -90,6 +91,9 @@ namespace
             effects[1].points ==
               3. * dealii::Utilities::MPI::n_mpi_processes(world),
           "a part of an effect knows whose");
+    check(effects[1].iterations == 4. && effects[0].iterations == 0. &&
+            effects[2].iterations == 0.,
+          "iterations are those of the innermost effect");
     check(effects[2].within.empty(), "the next effect is no part of the last");
     {
       const auto nowhere = effect_scope(nullptr, "effect");
@@ -98,8 +102,8 @@ namespace
 
     const auto   all   = phases.rows();
     const double total = phases.total_seconds();
-    check(all.size() == 4 && all[3].iterations == 7.,
-          "iterations of linear solvers");
+    check(all.size() == 4 && all[0].iterations == 2. && all[3].iterations == 9.,
+          "iterations of linear solvers, those of effects included");
     double sum = Phases::seconds_outside(all, total);
     for (const auto &row : all)
       sum += row.mean_seconds;

@@ -202,6 +202,10 @@ sed -e 's/= box/= expression/' -e 's/subsection box/subsection expression/' \
 refused 'malformed shape' \
   '<Bodies/block/expression/Expression> is <1 - r^2>|Unexpected token "r|Write a formula in x,y' \
   formula.prm
+refused 'formula with one corner' \
+  '<Bodies/block/expression/Upper corner>|required: 2 coordinates in m' \
+  formula.prm --set 'Bodies/block/expression/Expression=1' \
+  --set 'Bodies/block/expression/Lower corner=1, 1'
 rm formula.prm
 
 echo "Time, solver and output"

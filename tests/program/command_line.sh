@@ -166,6 +166,29 @@ check 'stretching: strain energy is not zero' [ "$(
 )" -eq 1 ]
 accepted 'again from parameters.prm' first/parameters.prm --set 'Output/Directory=again'
 check 'again from parameters.prm: the same ledger' cmp -s first/ledger.csv again/ledger.csv
+# the same block as a formula, with and without a box around it
+sed -e 's/= box/= expression/' -e 's/subsection box/subsection expression/' \
+  -e 's/set Lower corner = 1, 1/set Expression = 0.5 - max(abs(x - 1.5), abs(y - 1.5))/' \
+  -e '/set Upper corner = 2, 2/d' base.prm >formula.prm
+corners=Bodies/block/expression
+accepted 'formula' formula.prm --set "$moving" --set 'Output/Directory=formula'
+check 'formula: the ledger of the box' cmp -s first/ledger.csv formula/ledger.csv
+accepted 'formula with corners' formula.prm --set "$moving" --set 'Output/Directory=corners' \
+  --set "$corners/Lower corner=0.9, 1" --set "$corners/Upper corner=3, 2"
+check 'formula with corners: the same ledger' cmp -s first/ledger.csv corners/ledger.csv
+prints 'formula cut by corners' --check formula.prm \
+  --set "$corners/Lower corner=1.5, 0" --set "$corners/Upper corner=4, 4"
+check 'formula cut by corners: half the particles' matches "$work/out" '^  particles +8,'
+check 'formula cut by corners: no note' has_lines 0 "$work/out" 'note: its formula'
+prints 'formula in a large grid' --check formula.prm \
+  --set 'Grid/Upper corner=300, 300' --set 'Grid/Cells=300, 300'
+check 'formula in a large grid: a note' \
+  has_lines 1 "$work/out" 'note: its formula was tried in all 1.44e\+06 boxes'
+prints 'formula with corners in a large grid' --check formula.prm \
+  --set 'Grid/Upper corner=4000, 4000' --set 'Grid/Cells=4000, 4000' \
+  --set "$corners/Lower corner=0.9, 1" --set "$corners/Upper corner=3, 2"
+check 'formula with corners in a large grid: no note' \
+  has_lines 0 "$work/out" 'note: its formula'
 cat >unused.prm <<'END'
 include base.prm
 subsection Effects

@@ -368,8 +368,8 @@ namespace
                    "set Report above = 50\nend\n"),
       "block"));
     test::RunningScene<2>    asked(parameters);
-    asked.ledger.add(asked.scene.stepper.advance());
-    const StepReport report = asked.scene.stepper.advance();
+    asked.ledger.add(asked.scene.advance());
+    const StepReport report = asked.scene.advance();
     asked.ledger.add(report);
     test::check(report.findings.size() == 2, "two findings");
 

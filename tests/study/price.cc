@@ -51,6 +51,25 @@ namespace
           "lists have their length");
     check(tree.get<std::string>("object.quote") == "a \"b\" \\ c\n\x01",
           "what text needs is escaped");
+
+    const auto written = [](const std::string &bytes) {
+      JsonObject object;
+      object.add("a", bytes);
+      return object.line();
+    };
+    check(written("M\xc3\xbcller \xe2\x82\xac \xf0\x9f\x8e\xb2") ==
+            "{\"a\": \"M\xc3\xbcller \xe2\x82\xac \xf0\x9f\x8e\xb2\"}",
+          "UTF-8 stays as it is");
+    check(written("M\xfcller") == "{\"a\": \"M\\u00fcller\"}",
+          "Latin-1 becomes what it means");
+    // cut off, too long, a surrogate, beyond Unicode, alone
+    check(written("\xc3") == "{\"a\": \"\\u00c3\"}" &&
+            written("\xc0\xaf") == "{\"a\": \"\\u00c0\\u00af\"}" &&
+            written("\xed\xa0\x80") == "{\"a\": \"\\u00ed\\u00a0\\u0080\"}" &&
+            written("\xf4\x90\x80\x80") ==
+              "{\"a\": \"\\u00f4\\u0090\\u0080\\u0080\"}" &&
+            written("\x80z") == "{\"a\": \"\\u0080z\"}",
+          "what only looks like UTF-8 is escaped byte by byte");
   }
 
 
@@ -72,6 +91,26 @@ namespace
            "subsection Output\nset Frames = 1\nset Pictures = false\n"
            "set Directory = " +
            folder + "\nend\n";
+  }
+
+
+  /** A disc at a wall that needs a second map, with a Krylov solver. */
+  ParameterFile
+  wall_scene(const std::string &folder)
+  {
+    ParameterFile file =
+      ParameterFile::from_text(test::collision_text(3), "price");
+    for (const std::string setting : {"Bodies/left/ball/Center=0.8, 1.8",
+                                      "Boundary conditions/Fixed=x-min",
+                                      "Method/Wall mapping=inelastic",
+                                      "Effects/Names=ghost stabilisation",
+                                      "Solver/Linear solver=GMRES",
+                                      "Time/Maximum steps=3",
+                                      "Output/Frames=0",
+                                      "Output/Pictures=false"})
+      file.set(setting);
+    file.set("Output/Directory=" + folder);
+    return file;
   }
 
 
@@ -245,6 +284,45 @@ namespace
             tree.get<double>("residual_work") == last.at("residual_work"),
           "what has no effect");
   }
+
+
+  /** The second map of inelastic walls has its iterations, and no other. */
+  void
+  check_iterations(const std::string &folder)
+  {
+    Tree tree;
+    boost::property_tree::read_json(folder + "/timing.json", tree);
+    double of_map = 0.;
+    for (const auto &[key, phase] : tree.get_child("phases"))
+      if (phase.get<std::string>("name") == "velocity from momentum")
+        of_map = phase.get<double>("linear_iterations");
+    double      of_walls = 0.;
+    std::string others;
+    for (const auto &[key, effect] : tree.get_child("effects"))
+      if (const auto n = effect.get_optional<double>("linear_iterations"))
+        {
+          if (effect.get<std::string>("name") == "inelastic walls")
+            of_walls = *n;
+          else
+            others += effect.get<std::string>("name");
+        }
+    std::cout << "iterations of the map " << of_map << ", of inelastic walls "
+              << of_walls << '\n';
+    check(of_walls > 0. && of_walls < of_map,
+          "a part of the map's iterations is that of inelastic walls");
+    check(others.empty(), "no other effect has iterations: " + others);
+    unsigned int      n_headings = 0, n_lines = 0;
+    const std::string number = ' ' + shortest(of_walls);
+    for (const std::string &line : lines_of(folder + "/run.log"))
+      {
+        n_headings += line.compare(0, 7, "effect ") == 0 &&
+                      line.find("  iterations") != std::string::npos;
+        n_lines += line.compare(0, 16, "inelastic walls ") == 0 &&
+                   line.size() > number.size() &&
+                   line.substr(line.size() - number.size()) == number;
+      }
+    check(n_headings == 1 && n_lines == 1, "run.log has the iterations");
+  }
 } // namespace
 
 
@@ -261,10 +339,12 @@ main(int argc, char **argv)
   run<2>(ParameterFile::from_text(scene_text(folder), "price"),
          RunOptions(),
          world);
+  run<2>(wall_scene(folder + "/wall"), RunOptions(), world);
   MPI_Barrier(world);
   if (is_first())
     {
       check_results(folder);
+      check_iterations(folder + "/wall");
       std::filesystem::remove_all(folder);
     }
   return test::report();

@@ -3,7 +3,9 @@
 
 #include <boost/property_tree/ptree_fwd.hpp>
 
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 // Forward declaration
@@ -20,7 +22,8 @@ namespace emmy
    * names and values that it does not know.
    *
    * Made while a parameter file is checked, and a copy: later declarations
-   * are not seen. Every question runs over all declarations, a few hundred.
+   * are not seen. To find a name costs a look-up, a remedy a pass over all
+   * declarations.
    */
   class DeclaredParameters
   {
@@ -73,7 +76,12 @@ namespace emmy
     void
     collect(const boost::property_tree::ptree &tree, const Path &home);
 
+    void
+    add(const Declaration &declaration);
+
     std::vector<Declaration> declarations; // in the order they were made
+    /** Place in declarations by home and name: of entries, of sections. */
+    std::map<std::pair<Path, std::string>, std::size_t> entries, sections;
   };
 
 

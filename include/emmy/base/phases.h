@@ -105,7 +105,7 @@ namespace emmy
     void
     add_effect_count(const std::string_view effect, const std::size_t n_points);
 
-    /** Note iterations of the linear solver in a phase; all ranks do. */
+    /** Iterations of a solve in a phase, and in the open effect; all ranks. */
     void
     add_iterations(const std::string_view phase, const std::size_t n);
 

@@ -13,7 +13,9 @@ namespace emmy
    *
    * @param wall_velocity the velocity of the walls on fixed unknowns, m/s, and
    *   zero elsewhere. Walls::unconstrained does not use it.
-   * @param phases where the second solve of Walls::inelastic is booked
+   * @param phases where iterations are booked, and the second solve of
+   *   Walls::inelastic as an effect
+   * @return how the last solve ended
    */
   template <int dim>
   LinearResult

@@ -84,8 +84,9 @@ namespace emmy
    * it most mass. Ties go to the root that comes first in the lattice. So the
    * choice does not depend on the partition or on round-off.
    *
-   * Owned by the effect. Cost in a step: a pass over the values of the stencils
-   * for each body, and one exchange between neighbours for each layer.
+   * Owned by the effect. Cost in a step: a pass over the values of the
+   * stencils, however many bodies there are, a sort of what groups of particles
+   * give their nodes, and one exchange between neighbours for each layer.
    */
   template <int dim>
   class Aggregation

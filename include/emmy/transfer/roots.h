@@ -39,7 +39,6 @@ namespace emmy
     std::vector<unsigned int> active;
     /** The body that gives an owned node most. */
     std::vector<unsigned int> body;
-    unsigned int              n_bodies = 0;
   };
 
   /** The root that a cell has found. */
