@@ -50,6 +50,24 @@ namespace emmy
   }
 
   template <int dim>
+  std::vector<StepMeasure>
+  Balance<dim>::measures(const PointArrays<dim> &points,
+                         const double            time,
+                         const MPI_Comm          communicator,
+                         Phases                 *phases) const
+  {
+    std::vector<StepMeasure> result;
+    for (std::size_t i = 0; i < effects.probes.size(); ++i)
+      {
+        const auto timed = effect_scope(phases, effects.probe_names[i]);
+        for (StepMeasure &measure :
+             effects.probes[i]->measure(points, time, communicator))
+          result.push_back(std::move(measure));
+      }
+    return result;
+  }
+
+  template <int dim>
   const GhostFaces<dim> *
   Balance<dim>::ghost_faces() const
   {

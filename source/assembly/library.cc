@@ -1,6 +1,7 @@
 #include <emmy/assembly/aggregation.h>
 #include <emmy/assembly/ghost_stabilisation.h>
 #include <emmy/assembly/gravity.h>
+#include <emmy/assembly/manufactured_solution.h>
 #include <emmy/assembly/point_load.h>
 
 namespace emmy
@@ -37,6 +38,14 @@ namespace emmy
            return std::make_unique<AggregationParameters<dim>>(section);
          },
          AggregationParameters<dim>::card()});
+      effects.add(
+        {"manufactured solution",
+         "the body force of a motion in closed form, and the distance from it",
+         [](const std::string &section) {
+           return std::make_unique<ManufacturedSolutionParameters<dim>>(
+             section);
+         },
+         ManufacturedSolutionParameters<dim>::card()});
       return effects;
     }();
     return library;

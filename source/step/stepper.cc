@@ -225,7 +225,8 @@ namespace emmy
 
   template <int dim>
   std::vector<StepMeasure>
-  Stepper<dim>::measures() const
+  Stepper<dim>::measures(const PointArrays<dim> &points,
+                         const double            time) const
   {
     std::vector<StepMeasure> result;
     if (method.diagnosis.small_cuts)
@@ -242,6 +243,9 @@ namespace emmy
               std::make_pair("largest_weight", found.largest_weight)})
           result.push_back({name, value});
       }
+    for (StepMeasure &measure :
+         method.balance.measures(points, time, grid.communicator(), &phases))
+      result.push_back(std::move(measure));
     return result;
   }
 
@@ -393,7 +397,7 @@ namespace emmy
     result.energies  = method.balance.energy_entries();
     for (const EnergyEntry &entry : account_entries(StepAccounts()))
       result.energies.push_back(entry);
-    result.measures = measures();
+    result.measures = measures(points, time);
     result.active_cells =
       dealii::Utilities::MPI::sum(static_cast<std::uint64_t>(
                                     start->active->cells().size()),
@@ -441,7 +445,7 @@ namespace emmy
                                   grid.communicator());
     result.active_dofs = start->active->n_dofs();
     result.is_damped   = solution.newton.is_damped;
-    result.measures    = measures();
+    result.measures    = measures(solution.equation->trial(), result.time);
     result.halvings    = solution.halvings;
     result.notes       = solution.notes;
     result.findings    = solution.findings;

@@ -273,7 +273,7 @@ namespace emmy
     };
 
     /** Lines of the table. */
-    constexpr int name_width = 22, bytes_width = 7, nonzeros_width = 12;
+    constexpr int name_width = 24, bytes_width = 7, nonzeros_width = 12;
 
     void
     print_line(std::ostream      &out,

@@ -148,6 +148,12 @@ namespace
       return std::string("subsection Point load\nset Force = 0.3; 0") +
              (more.empty() ? "" : "; 0") + "\nset Points nearest to = 2, 1.5" +
              more + "\nend\n";
+    if (effect == "manufactured solution")
+      return "subsection Manufactured solution\nset Period = 5\n"
+             "subsection vibration\nset Lower corner = 1, 1" +
+             std::string(more.empty() ? "" : ", 0.5") +
+             "\nset Upper corner = 2.5, 2" + (more.empty() ? "" : ", 1.5") +
+             "\nset Amplitude = 0.1, 0.1" + more + "\nend\nend\n";
     return "";
   }
 
@@ -160,6 +166,11 @@ namespace
     std::string       effects;
     for (const std::string &effect : choice.effects)
       effects += section_of(effect, more);
+    std::string velocity = "set Initial velocity = 0.9 + 0.5*(x - 1.7) + "
+                           "0.3*y; 0.2 - 0.4*(y - 1.5)";
+    velocity += dim == 3 ? "; 0.1*x" : "";
+    if (choice.has("manufactured solution"))
+      velocity = ""; // the motion gives it
     return "set Dimension = " + std::to_string(dim) +
            "\nsubsection Grid\nset Lower corner = 0, 0" + more +
            "\nset Upper corner = 4, 3" + (dim == 3 ? ", 2" : "") +
@@ -174,10 +185,8 @@ namespace
               : "") +
            "end\nend\nsubsection Bodies\nset Names = block\n"
            "subsection block\nset Shape = box\nset Material = m\n"
-           "set Points per direction = 2\nset Initial velocity = "
-           "0.9 + 0.5*(x - 1.7) + 0.3*y; 0.2 - 0.4*(y - 1.5)" +
-           (dim == 3 ? "; 0.1*x" : "") +
-           "\nsubsection box\nset Lower corner = 1, 1" +
+           "set Points per direction = 2\n" +
+           velocity + "\nsubsection box\nset Lower corner = 1, 1" +
            (dim == 3 ? ", 0.5" : "") + "\nset Upper corner = 2.3, 2" +
            (dim == 3 ? ", 1.5" : "") +
            "\nend\nend\nend\nsubsection Effects\nset Names = " +

@@ -403,6 +403,44 @@ refused_amplitude 'amplitude table with a time thrice' \
 refused_amplitude 'unknown sampling' \
   '<Effects/Gravity/Sampling> is <start>|one of mid, end' 'Sampling=start'
 
+echo "Manufactured solution"
+# refused_motion NAME WORDS ASSIGNMENT...: a block at rest that shall vibrate
+refused_motion()
+{
+  name=$1 words=$2
+  shift 2
+  exact='Effects/Manufactured solution'
+  refused "$name" "$words" base.prm --set 'Effects/Names=manufactured solution' \
+    --set 'Bodies/block/Initial velocity=0; 0' --set "$exact/Period=1" \
+    --set "$exact/vibration/Lower corner=1, 1" --set "$exact/vibration/Upper corner=2, 2" \
+    --set "$exact/vibration/Amplitude=0.1, 0.1" "$@"
+}
+exact='Effects/Manufactured solution'
+refused_motion 'motion without a period' \
+  "<$exact/Period> is <0>|it is required and must be positive" --set "$exact/Period=0"
+refused_motion 'motion without an amplitude' \
+  "<$exact/vibration/Amplitude> is <>|it is required: 2 numbers in m" \
+  --set "$exact/vibration/Amplitude="
+refused_motion 'motion that turns the box inside out' \
+  "<$exact/vibration/Amplitude> is <0.1, -0.4>|component y must be below 0.31831 m|no volume left" \
+  --set "$exact/vibration/Amplitude=0.1, -0.4"
+refused_motion 'box without size' \
+  "<$exact/vibration/Upper corner> is <2, 1>|must lie above the lower corner" \
+  --set "$exact/vibration/Upper corner=2, 1"
+refused_motion 'motion of another body' \
+  "$exact: a particle at (|outside of the body that the motion is of, the box from (1, 1) to (1.5, 2) m|let the shapes" \
+  --set "$exact/vibration/Upper corner=1.5, 2"
+refused_motion 'motion of a body that moves' \
+  "$exact: a particle at (|has an initial velocity|remove the bodies' <Initial velocity>" \
+  --set 'Bodies/block/Initial velocity=1; 0'
+refused_motion 'ring without an inner radius' \
+  "<$exact/vortex/Inner radius> is <0>|must be positive" --set "$exact/Motion=vortex" \
+  --set "$exact/vortex/Center=1, 1"
+refused_motion 'motion of a plastic body' \
+  '<Effects/Names> is <manufactured solution>|bodies of an elastic material' \
+  --set 'Materials/rubber/Model=von Mises' --set 'Materials/rubber/Yield stress=1'
+
+
 echo "Point load"
 # refused_load NAME WORDS ENTRY=VALUE...
 refused_load()

@@ -79,8 +79,8 @@ card()
     kind == "" { next }
     /^    [^ ]/ {
       close_effect()
-      name = substr($0, 5, 20); sub(/ +$/, "", name)
-      rest = substr($0, 25); split(rest, column, " ")
+      name = substr($0, 5, 22); sub(/ +$/, "", name)
+      rest = substr($0, 27); split(rest, column, " ")
       bytes = column[1]; nonzeros = column[2]
       if (name == "every particle") {
         nonzeros = 0; fields = rest
@@ -114,7 +114,7 @@ check 'base: ghost faces couple all but opposite corners' \
 emmy_run --check base.prm
 check 'base: absent effects have no numbers unless asked for' has_lines 0 out '^  absent +bytes'
 check 'base: absent effects are named' \
-  says out 'absent von Mises, stress rule, GIMP, domain update, gravity, point load, ghost stabilisation, aggregation, lumping, PIC, inelastic walls, unconstrained walls, moving walls, diagnosis'
+  says out 'absent von Mises, stress rule, GIMP, domain update, gravity, point load, ghost stabilisation, aggregation, manufactured solution, lumping, PIC, inelastic walls, unconstrained walls, moving walls, diagnosis'
 
 # agrees NAME CARD_NAME ARGUMENTS...: with the arguments the scene has the
 # effect; its card agrees with the run, and with what the scene without it says
@@ -161,6 +161,11 @@ agrees 'gravity' gravity base.prm --set 'Effects/Names=gravity' \
   --set 'Effects/Gravity/Acceleration=0, -1'
 agrees 'point load' 'point load' base.prm --set 'Effects/Names=point load' \
   --set 'Effects/Point load/Force=1; 0' --set 'Effects/Point load/Points nearest to=3, 3'
+agrees 'manufactured' 'manufactured solution' base.prm --set 'Bodies/block/Initial velocity=0; 0' \
+  --set 'Effects/Names=manufactured solution' --set 'Effects/Manufactured solution/Period=1' \
+  --set 'Effects/Manufactured solution/vibration/Lower corner=1, 1' \
+  --set 'Effects/Manufactured solution/vibration/Upper corner=3, 3' \
+  --set 'Effects/Manufactured solution/vibration/Amplitude=0.1, 0.1'
 agrees 'ghosts' 'ghost stabilisation' base.prm --set 'Effects/Names=ghost stabilisation'
 agrees 'lumping' lumping base.prm --set 'Method/Lumping=0.5'
 agrees 'PIC' PIC base.prm --set 'Method/Mapping=PIC'

@@ -33,6 +33,13 @@ namespace emmy
     mark(const BackgroundGrid<dim>               &grid,
          dealii::Particles::ParticleHandler<dim> &particles) const;
 
+    /** What the probes find. Collective. */
+    std::vector<StepMeasure>
+    measures(const PointArrays<dim> &points,
+             const double            time,
+             const MPI_Comm          communicator,
+             Phases                 *phases) const;
+
     /** What finds the faces of ghost stabilisation; null without it. */
     const GhostFaces<dim> *
     ghost_faces() const;

@@ -111,6 +111,26 @@ namespace emmy
          dealii::Particles::ParticleHandler<dim> &particles) const = 0;
   };
 
+  /**
+   * Measures the particles: numbers of the ledger that enter no balance. Owned
+   * by the balance; used once per accepted step, and before the first.
+   */
+  template <int dim>
+  class Probe
+  {
+  public:
+    virtual ~Probe() = default;
+
+    /**
+     * Always the same names in the same order. Collective.
+     * @param points states at @p time, s
+     */
+    virtual std::vector<StepMeasure>
+    measure(const PointArrays<dim> &points,
+            const double            time,
+            const MPI_Comm          communicator) const = 0;
+  };
+
   /** All that acts in a scene, inertia and internal force among the terms. */
   template <int dim>
   struct Effects
@@ -118,6 +138,7 @@ namespace emmy
     std::vector<std::unique_ptr<ForceTerm<dim>>> terms;
     std::vector<std::unique_ptr<StepLoad<dim>>>  loads;
     std::vector<std::unique_ptr<Marker<dim>>>    markers;
+    std::vector<std::unique_ptr<Probe<dim>>>     probes;
     /** Faces that ghost stabilisation penalises; null without it. */
     std::unique_ptr<const GhostFaces<dim>> ghost_faces;
     /** Lets starved nodes follow others; null without it. */
@@ -126,15 +147,16 @@ namespace emmy
     /** Borrowed; one per body. There before the first effect is added. */
     std::vector<const Material<dim> *> material_of_body;
 
-    /** Whose the terms and loads are, in the table of times. */
-    std::vector<std::string> term_names, load_names;
+    /** Whose the terms, loads and probes are, in the table of times. */
+    std::vector<std::string> term_names, load_names, probe_names;
 
-    /** Book the terms and loads that have no name yet to an effect. */
+    /** Book the terms, loads and probes that have no name yet to an effect. */
     void
     name_new(const std::string &effect)
     {
       term_names.resize(terms.size(), effect);
       load_names.resize(loads.size(), effect);
+      probe_names.resize(probes.size(), effect);
     }
   };
 

@@ -118,9 +118,12 @@ namespace emmy
     /** A line for the log if starved nodes are worse off than ever before. */
     void
     tell_of_followers(Solution &solution);
-    /** What examine() found, zero before the first step; and on followers. */
+    /**
+     * What examine() found, zero before the first step; of followers; and what
+     * probes find at points whose states are those at @p time. Collective.
+     */
     std::vector<StepMeasure>
-    measures() const;
+    measures(const PointArrays<dim> &points, const double time) const;
     /** Whether the matrices are small enough to look for a small cut. */
     bool
     can_diagnose() const;
