@@ -22,6 +22,15 @@ namespace emmy
                   "Required, positive.",
                   prm,
                   Double());
+    add_parameter("Integrator",
+                  integrator,
+                  "implicit: Newton, no limit on the step but accuracy. "
+                  "explicit: lumped mass, symplectic Euler, stress updated "
+                  "last; for comparison. Cheap steps, which are stable only "
+                  "for a Factor below about 1 (the Courant number) and are "
+                  "never halved; GIMP is more robust than linear.",
+                  prm,
+                  dealii::Patterns::Selection("implicit|explicit"));
     add_parameter("Step rule",
                   step_rule,
                   "fixed: <Step size>. wave: time of a P-wave through a cell "

@@ -112,7 +112,7 @@ namespace emmy
       while (report.time < limits.end_time * (1. - 1e-12) &&
              (limits.maximum_steps == 0 || report.step < limits.maximum_steps))
         {
-          report = scene.stepper.advance();
+          report = scene.stepper->advance();
           for (const std::string &note : report.notes)
             progress.note(note);
           for (const std::string &finding : report.findings)
@@ -159,7 +159,7 @@ namespace emmy
     parameters.output.validate();
     parameters.solver.validate(); // not only when the first step needs it
     Scene<dim>       scene(parameters, communicator);
-    const StepReport initial = scene.stepper.initial_report();
+    const StepReport initial = scene.stepper->initial_report();
     const SceneCard  card    = [&] {
       const auto timed = scene.phases.scope("scene card");
       return make_card(scene, parameters, options.with_absent);
@@ -225,7 +225,7 @@ namespace emmy
       progress.note(warning);
 
     std::ostringstream tail;
-    tail << "linear solver " << scene.stepper.solver_name() << '\n';
+    tail << "linear solver " << scene.stepper->solver_name() << '\n';
     summarise(tail, ledger, initial, course);
     std::vector<EffectCard> present;
     for (const CountedEffect &effect : card.effects)

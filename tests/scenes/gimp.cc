@@ -33,7 +33,7 @@ namespace
       scene      = std::make_unique<test::RunningScene<2>>(*parameters);
       while (scene->ledger["time"] < parameters->time.end_time * (1. - 1e-12))
         {
-          const StepReport report = scene->scene.stepper.advance();
+          const StepReport report = scene->scene.stepper->advance();
           scene->ledger.add(report);
           n_damped += report.is_damped;
           n_halvings +=

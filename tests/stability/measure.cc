@@ -47,7 +47,7 @@ namespace emmy
                    (limits.maximum_steps == 0 ||
                     result.steps < limits.maximum_steps))
               {
-                const StepReport report = scene.stepper.advance();
+                const StepReport report = scene.stepper->advance();
                 ledger.add(report);
                 ++result.steps;
                 for (const std::string &note : report.notes)
@@ -173,7 +173,7 @@ namespace emmy
         Scene<dim>                 scene(parameters, MPI_COMM_SELF);
         if (run.prepare)
           run.prepare(scene);
-        Ledger                   ledger(scene.stepper.initial_report(), dim);
+        Ledger                   ledger(scene.stepper->initial_report(), dim);
         const MomentumScale<dim> scale(scene, ledger);
 
         Result     result;
