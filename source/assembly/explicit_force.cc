@@ -52,14 +52,11 @@ namespace emmy
   std::string
   ExplicitForce<dim>::update(const StepData<dim>       &step,
                              const std::vector<double> &displacement,
-                             PointArrays<dim>          &trial,
-                             double                    &work) const
+                             PointArrays<dim>          &trial) const
   {
-    const auto    timed  = effect_scope(step.phases, internal_force_effect);
-    const auto    batch  = std::make_unique<Batch>();
-    const double *volume = states.reference_volumes(step.points);
-    batch->with_tangent  = false;
-    work                 = 0.;
+    const auto timed    = effect_scope(step.phases, internal_force_effect);
+    const auto batch    = std::make_unique<Batch>();
+    batch->with_tangent = false;
     return states.for_each_group(
       step.stencils, step.phases, [&](const Group &group) -> std::string {
         for (unsigned int first = 0; first < group.n_points;
@@ -80,11 +77,6 @@ namespace emmy
             if (inverted < batch->n_points)
               return inverted_particle(step.stencils, point + inverted);
             states.write(*batch, step.points, group.body, point, trial);
-            for (unsigned int q = 0; q < batch->n_points; ++q)
-              work +=
-                volume[point + q] *
-                (batch->kirchhoff_stress_old[q] *
-                 mandel::symmetric_part<dim>(batch->displacement_gradient[q]));
           }
         return {};
       });

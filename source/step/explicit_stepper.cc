@@ -69,12 +69,9 @@ namespace emmy
       timed("forces and velocities", [&] { return accelerate(step); });
 
     // grid -> particles, the stress last; a step that fails leaves no trace
-    double                 stress_work = 0.;
-    const PointArrays<dim> trial       = timed("stress update", [&] {
-      return move(step, motion, stress_work, result);
-    });
-    timed("accounts",
-          [&] { report(step, motion, trial, stress_work, result); });
+    const PointArrays<dim> trial =
+      timed("motion and stress", [&] { return move(step, motion, result); });
+    timed("accounts", [&] { report(step, motion, trial, result); });
     timed("grid to particles",
           [&] { grid_to_particles(stencils, trial, layout, grid, particles); });
 
@@ -82,7 +79,7 @@ namespace emmy
                               "gather",
                               "particles to grid",
                               "forces and velocities",
-                              "stress update",
+                              "motion and stress",
                               "accounts",
                               "grid to particles"})
       phases.add_count(phase, points.n_points());
@@ -132,9 +129,9 @@ namespace emmy
       if (!lumped.is_massless[i / dim])
         motion.velocity_new[i] +=
           dt * (load[i] - internal[i]) / lumped.mass[i / dim];
-    std::vector<bool> is_fixed(internal.size());
+    motion.is_fixed.resize(internal.size());
     if (boundary_conditions.has_walls())
-      set_walls(step, motion, is_fixed);
+      set_walls(step, motion);
     for (unsigned int i = 0; i < internal.size(); ++i)
       motion.displacement[i] = dt * motion.velocity_new[i];
 
@@ -147,8 +144,9 @@ namespace emmy
         motion.kinetic_energy_old += 0.5 * m * v_old * v_old;
         motion.kinetic_energy_new += 0.5 * m * v_new * v_new;
         motion.velocity_update_loss += 0.5 * m * dv * dv;
+        motion.stress_work += internal[i] * u;
         motion.load_work += load[i] * u;
-        if (is_fixed[i])
+        if (motion.is_fixed[i])
           // through the forces of the step, and through the map
           motion.reaction_work +=
             (m * dv / dt - given) * u + (lumped.momentum[i] - m * v_old) * dv;
@@ -161,8 +159,7 @@ namespace emmy
   template <int dim>
   void
   ExplicitStepper<dim>::set_walls(const StepData<dim> &step,
-                                  Motion              &motion,
-                                  std::vector<bool>   &is_fixed) const
+                                  Motion              &motion) const
   {
     const ActiveGrid<dim> &active     = *step.start.active;
     const bool             has_moving = boundary_conditions.has_moving_walls();
@@ -181,7 +178,7 @@ namespace emmy
           if (fixed[c])
             {
               const unsigned int i = dim * node + c;
-              is_fixed[i]          = true;
+              motion.is_fixed[i]   = true;
               motion.velocity_old[i] =
                 has_moving ? boundary_conditions.value(at_start, position, c)
                            : 0.;
@@ -196,30 +193,26 @@ namespace emmy
   PointArrays<dim>
   ExplicitStepper<dim>::move(const StepData<dim> &step,
                              const Motion        &motion,
-                             double              &stress_work,
                              StepReport          &result)
   {
-    const std::string remedy =
+    const ActiveGrid<dim> &active = *step.start.active;
+    const std::string      remedy =
       "the last accepted state was kept. Explicit steps are stable only if "
       "they are small: take a smaller Time/Factor (below 1) or Step size. "
-      "Where a particle alone enters a cell, Method/Shape functions = GIMP "
-      "helps. Or set Time/Integrator = implicit.";
-    PointArrays<dim> trial = step.points;
-    throw_together(grid.communicator(),
-                   where(),
-                   force.update(step, motion.displacement, trial, stress_work),
-                   remedy);
+      "Time/Stress update = modified and Method/Shape functions = GIMP are "
+      "more robust. Or set Time/Integrator = implicit.";
 
     // v_p <- alpha v_p + sum S (v_new - alpha v_old)
     const double        alpha  = method.mapping.flip_fraction;
     std::vector<double> change = motion.velocity_new;
     for (unsigned int i = 0; i < change.size(); ++i)
       change[i] -= alpha * motion.velocity_old[i];
+    PointArrays<dim> trial = step.points;
     throw_together(grid.communicator(),
                    where(),
                    move_points(step.stencils,
                                step.points,
-                               *step.start.active,
+                               active,
                                grid,
                                layout,
                                alpha,
@@ -227,15 +220,36 @@ namespace emmy
                                change,
                                trial),
                    remedy + " If it should leave, enlarge the grid.");
-    const std::string note = domains.follow(step.stencils,
-                                            step.points,
-                                            *step.start.active,
-                                            motion.displacement,
-                                            where(),
-                                            trial);
+
+    const std::vector<double> straining =
+      straining_displacement(step, motion, trial);
+    throw_together(grid.communicator(),
+                   where(),
+                   force.update(step, straining, trial),
+                   remedy);
+    const std::string note = domains.follow(
+      step.stencils, step.points, active, straining, where(), trial);
     if (!note.empty())
       result.notes.push_back(note);
     return trial;
+  }
+
+  template <int dim>
+  std::vector<double>
+  ExplicitStepper<dim>::straining_displacement(
+    const StepData<dim>    &step,
+    const Motion           &motion,
+    const PointArrays<dim> &trial) const
+  {
+    if (limits.stress_update == "plain")
+      return motion.displacement;
+    std::vector<double> result =
+      particles_to_lumped_grid(step.stencils, trial, layout, *step.start.active)
+        .velocity;
+    for (unsigned int i = 0; i < result.size(); ++i)
+      result[i] = motion.is_fixed[i] ? motion.displacement[i]
+                                     : step.time_step * result[i];
+    return result;
   }
 
   template <int dim>
@@ -243,7 +257,6 @@ namespace emmy
   ExplicitStepper<dim>::report(const StepData<dim>    &step,
                                const Motion           &motion,
                                const PointArrays<dim> &trial,
-                               const double            stress_work,
                                StepReport             &result) const
   {
     result.step      = step_number + 1;
@@ -254,7 +267,7 @@ namespace emmy
       result.totals.kinetic_energy - kinetic_energy;
 
     // the sums over this rank first, in one exchange
-    result.energies = force.energies(step.points, trial, stress_work);
+    result.energies = force.energies(step.points, trial, motion.stress_work);
     for (const EnergyEntry &entry : method.balance.energy_entries())
       result.energies.push_back(
         {entry.name, entry.kind, motion.load_work}); // there is no other

@@ -33,20 +33,19 @@ namespace emmy
     /**
      * Write the states at t + dt to @p trial.
      *
-     * @param displacement of the step at the local nodes, [dim * node + c], m
-     * @param work         gets this rank's sum V0 tau_t : H, J
+     * @param displacement whose gradient strains the particles, at the local
+     *   nodes, [dim * node + c], m
      * @return what is wrong on this rank, if anything; then the rest of
      *   @p trial is unfinished
      */
     std::string
     update(const StepData<dim>       &step,
            const std::vector<double> &displacement,
-           PointArrays<dim>          &trial,
-           double                    &work) const;
+           PointArrays<dim>          &trial) const;
 
     /**
-     * Those of the states, and stress_update_loss: work minus what they show.
-     * This rank's share.
+     * Those of the states, and stress_update_loss: the work of the force minus
+     * what they show. This rank's share.
      */
     std::vector<EnergyEntry>
     energies(const PointArrays<dim> &points,

@@ -3,6 +3,7 @@
 
 #include <emmy/assembly/explicit_force.h>
 #include <emmy/step/accounts.h>
+#include <emmy/step/domains_of_step.h>
 #include <emmy/step/step_size.h>
 #include <emmy/transfer/lumped_grid.h>
 
@@ -20,8 +21,12 @@ namespace emmy
    * symplectic Euler, update-stress-last. With f = f_ext(t) - f_int(tau_t),
    * @f[ v_0 = p / m,\quad v_1 = v_0 + \Delta t\, f/m,\quad
    *     u = \Delta t\, v_1,\quad v_p += \sum S (v_1 - v_0),\quad
-   *     x_p += \sum S u,\quad \Delta F = I + \sum u \otimes \nabla S . @f]
-   * Fixed components of v_0 and v_1 are the velocities of the walls at t and
+   *     x_p += \sum S u,\quad
+   *     \Delta F = I + \Delta t \sum w \otimes \nabla S . @f]
+   * With the modified stress update (Sulsky, Zhou and Schreyer 1995) w is the
+   * grid's velocity that the new v_p make, p_new / m; with the plain one w =
+   * v_1, which is f dt / m and so without bound where m is small. Fixed
+   * components of v_0, v_1 and w are the velocities of the walls at t and
    * t + dt. Nothing is solved, and no matrix exists. Stable for steps below
    * about that of a wave through a cell; a step in which a particle turns
    * inside out or leaves the grid ends the run.
@@ -77,10 +82,11 @@ namespace emmy
     {
       std::vector<double> velocity_old, velocity_new; ///< m/s
       std::vector<double> displacement;               ///< m
+      std::vector<bool>   is_fixed;                   ///< by walls
       /** This rank's share, J. */
       double kinetic_energy_old = 0., kinetic_energy_new = 0.,
-             velocity_update_loss = 0., load_work = 0., reaction_work = 0.,
-             residual_work = 0.;
+             velocity_update_loss = 0., stress_work = 0., load_work = 0.,
+             reaction_work = 0., residual_work = 0.;
     };
 
     /** Renew active nodes, mass and momentum. Collective. */
@@ -91,20 +97,19 @@ namespace emmy
     Motion
     accelerate(const StepData<dim> &step) const;
     void
-    set_walls(const StepData<dim> &step,
-              Motion              &motion,
-              std::vector<bool>   &is_fixed) const;
+    set_walls(const StepData<dim> &step, Motion &motion) const;
+    /** dt w. @param trial with the new positions and velocities. Collective. */
+    std::vector<double>
+    straining_displacement(const StepData<dim>    &step,
+                           const Motion           &motion,
+                           const PointArrays<dim> &trial) const;
     /** States, positions, velocities and domains at t + dt. Collective. */
     PointArrays<dim>
-    move(const StepData<dim> &step,
-         const Motion        &motion,
-         double              &stress_work,
-         StepReport          &result);
+    move(const StepData<dim> &step, const Motion &motion, StepReport &result);
     void
     report(const StepData<dim>    &step,
            const Motion           &motion,
            const PointArrays<dim> &trial,
-           const double            stress_work,
            StepReport             &result) const;
     std::vector<EnergyEntry>
     account_entries(const StepAccounts &accounts, const double loss) const;

@@ -17,6 +17,7 @@ namespace emmy
   public:
     double       end_time          = 0.; // s, required
     std::string  integrator        = "implicit";
+    std::string  stress_update     = "modified";
     std::string  step_rule         = "normalised";
     double       step_size         = 0.; // s, required by the rule `fixed`
     double       factor            = 1.;

@@ -3,6 +3,7 @@
 
 #include <emmy/solve/newton.h>
 #include <emmy/step/accounts.h>
+#include <emmy/step/domains_of_step.h>
 #include <emmy/step/step_size.h>
 #include <emmy/transfer/grid_to_particles.h>
 
