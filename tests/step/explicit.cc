@@ -35,7 +35,7 @@ namespace
             "set Shape = box\nset Material = m\nset Points per direction = 2\n"
             "set Initial velocity = 0.6 - 0.5*(y-1) + 0.4*(x-1.6); 0.5*(x-1.6)" +
         (dim == 2 ? "" : "; 0.3*(y-1)") +
-        "\nsubsection box\nset Lower corner = 1, 0" +
+        "\nsubsection box\nset Lower corner = 1, 0.5" +
         (dim == 2 ? "" : ", 0.5") + "\nset Upper corner = 2.5, 2" +
         (dim == 2 ? "" : ", 2") +
         "\nend\nend\nend\n"
@@ -76,7 +76,8 @@ namespace
         check(sums.back() > 0. && std::is_sorted(sums.begin(), sums.end()),
               what + ": " + loss + " never falls");
       }
-    check(run.ledger["residual_work"] == 0., what + ": nothing is left over");
+    check(std::abs(run.ledger["residual_work"]) <= 1e-13 * energy,
+          what + ": nothing is left over");
     check(run.scene.stepper->grid_start().mass.m() == 0,
           what + ": there is no matrix");
   }
@@ -94,8 +95,10 @@ namespace
       gravity{{"Effects/Names", "gravity"},
               {"Effects/Gravity/Acceleration",
                dim == 2 ? "0.3, -1" : "0.3, -1, 0.2"}},
-      wall{{"Boundary conditions/Roller", "y-min"}},
-      moving{{"Boundary conditions/Fixed", "y-min"},
+      wall{{"Bodies/block/box/Lower corner", dim == 2 ? "1, 0" : "1, 0, 0.5"},
+           {"Boundary conditions/Roller", "y-min"}},
+      moving{{"Bodies/block/box/Lower corner", dim == 2 ? "1, 0" : "1, 0, 0.5"},
+             {"Boundary conditions/Fixed", "y-min"},
              {"Boundary conditions/Velocity of y-min",
               dim == 2 ? "0.2*sin(9*t); 0" : "0.2*sin(9*t); 0; 0.1"}},
       plain{{"Time/Stress update", "plain"}, {"Time/Factor", "0.05"}};
@@ -116,15 +119,14 @@ namespace
   {
     for (const bool with_gravity : {false, true})
       {
-        Settings settings{{"Bodies/block/box/Lower corner",
-                           dim == 2 ? "1, 0.5" : "1, 0.5, 0.5"}};
+        Settings settings;
         if (with_gravity)
           settings = settings + Settings{{"Effects/Names", "gravity"},
                                          {"Effects/Gravity/Acceleration",
                                           dim == 2 ? "0, -1" : "0, -1, 0"}};
         const SceneParameters<dim> parameters(block<dim>(settings));
         test::RunningScene<dim>    run(parameters);
-        run.advance(dim == 2 ? 60 : 25);
+        run.advance(dim == 2 ? 40 : 25);
         const double mass = test::total_mass(run.scene);
         for (unsigned int d = 0; d < dim; ++d)
           {
@@ -195,7 +197,7 @@ namespace
       "subsection Bodies\nset Names = bar\nsubsection bar\n"
       "set Shape = box\nset Material = m\nset Points per direction = 2\n"
       "set Initial velocity = 0.01*sin(pi*x/16); 0\n"
-      "subsection box\nset Upper corner = 8, 1\nend\nend\nend\n"
+      "subsection box\nset Lower corner = 0, 0\nset Upper corner = 8, 1\nend\nend\nend\n"
       "subsection Boundary conditions\nset Roller = x-min, y-min, y-max\nend\n"
       "subsection Method\nset Lumping = 1\nend\n"
       "subsection Time\nset Integrator = " +
@@ -206,37 +208,38 @@ namespace
       "test");
   }
 
-  /** Strain energy of the bar after 2 s, when it is about to be largest. */
+  /** Kinetic energy of the bar after 2 s, five eighths of a period, J. */
   double
-  strain_energy_of_bar(const std::string &integrator,
-                       const std::string &update,
-                       const double       dt)
+  kinetic_energy_of_bar(const std::string &integrator,
+                        const std::string &update,
+                        const double       dt)
   {
     const SceneParameters<2> parameters(bar(integrator, update, dt));
     test::RunningScene<2>    run(parameters);
     run.advance(std::lround(2. / dt));
     check_close(run.ledger["time"], 2., 1e-12, "the bar's time, s");
-    return run.ledger["strain_energy"];
+    return run.ledger["kinetic_energy"];
   }
 
   /**
    * With the same lumped mass, explicit and implicit steps converge to the same
-   * vibration; symplectic Euler with order 1.
+   * vibration; symplectic Euler with order 1, as its velocities lag by half a
+   * step.
    */
   void
   check_vibration()
   {
-    const double exact = strain_energy_of_bar("implicit", "modified", 0.0125);
+    const double exact = kinetic_energy_of_bar("implicit", "modified", 0.005);
     for (const std::string update : {"modified", "plain"})
       {
         std::vector<double> errors;
         for (const double dt : {0.02, 0.01, 0.005})
-          errors.push_back(strain_energy_of_bar("explicit", update, dt) -
+          errors.push_back(kinetic_energy_of_bar("explicit", update, dt) -
                            exact);
         for (unsigned int i = 1; i < errors.size(); ++i)
           {
             const double order = std::log2(errors[i - 1] / errors[i]);
-            std::cout << "vibration, " << update << ": error of strain energy "
+            std::cout << "vibration, " << update << ": error of kinetic energy "
                       << errors[i] / exact << ", order " << order << '\n';
             check(order > 0.9 && order < 1.1, "order of symplectic Euler");
           }

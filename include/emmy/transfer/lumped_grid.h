@@ -11,9 +11,11 @@ namespace emmy
 {
   /**
    * Below this part of the largest mass of a node, a node counts as massless:
-   * it moves with the particles near it, and no force acts on it.
+   * it moves with the particles near it, and no force acts on it. So small
+   * that only particles exactly on faces make such nodes; a corner of a box of
+   * GIMP that just enters a cell in space gives the new node 1e-18.
    */
-  constexpr double least_nodal_mass = 1e-12;
+  constexpr double least_nodal_mass = 1e-24;
 
   /**
    * What the grid of an explicit step knows at its start, at the local nodes
