@@ -17,7 +17,8 @@ namespace emmy
   ExplicitForce<dim>::card()
   {
     EffectCard card = StressStates<dim>::card();
-    card.enters     = "forces: stress at the start; stress update: at the end";
+    card.enters =
+      "forces and velocities: stress at the start; motion and stress: that at the end";
     card.ledger_columns.push_back("stress_update_loss");
     return card;
   }

@@ -138,8 +138,11 @@ namespace emmy
             EffectCard effect = entry.card;
             effect.fields     = scene.materials[m]->history();
             effect            = StressStates<dim>::with_history(effect);
-            effect.name   = material_effect(parameters.material_names.names[m]);
-            effect.enters = "Newton, internal force: " + model;
+            effect.name = material_effect(parameters.material_names.names[m]);
+            effect.enters =
+              (scene.explicit_force ? "motion and stress: "
+                                    : "Newton, internal force: ") +
+              model;
             effect.is_present = true;
             add(effect);
           }
