@@ -118,7 +118,8 @@ namespace emmy
     force.add(step, internal);
     active.share(internal);
     std::vector<double> load = method.balance.loads(step);
-    active.share(load);
+    if (!load.empty()) // a rank without nodes shares none
+      active.share(load);
     load.resize(internal.size()); // zero, if there is none
 
     Motion motion;

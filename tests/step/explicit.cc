@@ -258,6 +258,19 @@ namespace
                             {"Step ",
                              "Explicit steps are stable only if they are small",
                              "Time/Integrator = implicit"});
+    double energy = 0.;
+    for (const auto &particle : run.scene.particles)
+      {
+        const auto   fields   = particle.get_properties();
+        const double mass     = fields[run.scene.layout["mass"]];
+        const auto   velocity = run.scene.layout["velocity"];
+        for (unsigned int d = 0; d < 2; ++d)
+          energy += 0.5 * mass * fields[velocity + d] * fields[velocity + d];
+      }
+    check_close(energy,
+                run.ledger["kinetic_energy"],
+                1e-13 * energy,
+                "the particles are those of the last accepted step");
   }
 
   void
