@@ -23,14 +23,14 @@ namespace emmy
       RunningScene(const SceneParameters<dim> &parameters,
                    const MPI_Comm              communicator = MPI_COMM_WORLD)
         : scene(parameters, communicator)
-        , ledger(scene.stepper->initial_report(), dim)
+        , ledger(scene.initial_report(), dim)
       {}
 
       void
       advance(const unsigned int n_steps)
       {
         for (unsigned int i = 0; i < n_steps; ++i)
-          ledger.add(scene.stepper->advance());
+          ledger.add(scene.advance());
       }
 
       void

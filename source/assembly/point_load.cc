@@ -2,6 +2,7 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/formula.h>
 #include <emmy/base/text.h>
+#include <emmy/particles/nearest.h>
 
 #include <algorithm>
 #include <limits>
@@ -42,12 +43,14 @@ namespace emmy
      * Cost: particles times positions, twice.
      */
     template <int dim>
-    class NearestParticles : public Marker<dim>
+    class SharesAtPositions : public Marker<dim>
     {
     public:
-      NearestParticles(const std::vector<Point<dim>> &positions,
-                       const unsigned int             component)
+      SharesAtPositions(const std::vector<Point<dim>> &positions,
+                        const std::string             &section,
+                        const unsigned int             component)
         : positions(positions)
+        , section(section)
         , component(component)
       {}
 
@@ -55,17 +58,10 @@ namespace emmy
       mark(const BackgroundGrid<dim>               &grid,
            dealii::Particles::ParticleHandler<dim> &particles) const override
       {
-        std::vector<double> distances;
-        const auto          chosen = choose(grid, particles, distances);
-        const double        share  = 1. / positions.size();
-        for (const Point<dim> &position : positions)
-          AssertThrow(grid.contains(position),
-                      ExcParameter(effect_section("point load"),
-                                   "Points nearest to",
-                                   dealii::Patterns::Tools::to_string(position),
-                                   "this position is outside the grid. Give "
-                                   "positions at the body as it is at the "
-                                   "start, in m."));
+        const NearestParticles<dim> nearest(
+          positions, section, "Points nearest to", grid, particles);
+        const auto   chosen = choose(nearest, grid, particles);
+        const double share  = 1. / positions.size();
         for (auto &particle : particles)
           particle.get_properties()[component] =
             share *
@@ -76,7 +72,8 @@ namespace emmy
           if (std::find(different.begin(), different.end(), point) ==
               different.end())
             different.push_back(point);
-        const auto farthest =
+        const auto &distances = nearest.distances();
+        const auto  farthest =
           std::max_element(distances.begin(), distances.end());
         return load_on(different.size()) +
                (different.size() < positions.size()
@@ -90,24 +87,15 @@ namespace emmy
       }
 
     private:
-      /** Where the particles are, and how far from the positions. Collective.
-       */
+      /** Where the particles of each position are. Collective. */
       std::vector<Point<dim>>
-      choose(const BackgroundGrid<dim>                     &grid,
-             const dealii::Particles::ParticleHandler<dim> &particles,
-             std::vector<double>                           &distances) const
+      choose(const NearestParticles<dim>                   &nearest,
+             const BackgroundGrid<dim>                     &grid,
+             const dealii::Particles::ParticleHandler<dim> &particles) const
       {
         const std::size_t n         = positions.size();
-        const double      tolerance = 1e-9 * grid.smallest_cell_size();
-        distances.assign(n, std::numeric_limits<double>::infinity());
-        for (const auto &particle : particles)
-          for (std::size_t i = 0; i < n; ++i)
-            distances[i] =
-              std::min(distances[i],
-                       positions[i].distance(particle.get_location()));
-        dealii::Utilities::MPI::min(distances, grid.communicator(), distances);
-
-        Point<dim> last;
+        const double      tolerance = nearest.round_off();
+        Point<dim>        last;
         for (unsigned int d = 0; d < dim; ++d)
           last[d] = std::numeric_limits<double>::max();
         std::vector<Point<dim>> chosen(n, last);
@@ -115,7 +103,7 @@ namespace emmy
           for (std::size_t i = 0; i < n; ++i)
             {
               const Point<dim> &here = particle.get_location();
-              if (positions[i].distance(here) <= distances[i] + tolerance &&
+              if (nearest.is_nearest(i, here) &&
                   comes_before(here, chosen[i], tolerance))
                 chosen[i] = here;
             }
@@ -128,6 +116,7 @@ namespace emmy
       }
 
       const std::vector<Point<dim>> positions;
+      const std::string             section;
       const unsigned int            component;
     };
 
@@ -264,8 +253,8 @@ namespace emmy
       effects.markers.push_back(
         std::make_unique<ParticlesInside<dim>>(region, this->path(), share));
     else
-      effects.markers.push_back(
-        std::make_unique<NearestParticles<dim>>(positions, share));
+      effects.markers.push_back(std::make_unique<SharesAtPositions<dim>>(
+        positions, this->path(), share));
   }
 
   template <int dim>

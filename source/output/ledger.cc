@@ -1,5 +1,4 @@
-#include <deal.II/base/exceptions.h>
-
+#include <emmy/base/exceptions.h>
 #include <emmy/output/ledger.h>
 
 #include <algorithm>
@@ -33,6 +32,13 @@ namespace emmy
                     "particles"});
       for (const StepMeasure &measure : initial.measures)
         names.push_back(measure.name);
+      for (const std::string &name : names)
+        AssertThrow(std::count(names.begin(), names.end(), name) == 1,
+                    ExcParameter("Measurements",
+                                 "Names",
+                                 name,
+                                 "the ledger would have two columns of this "
+                                 "name. Rename the measurement."));
       return names;
     }
   } // namespace

@@ -1,5 +1,6 @@
 #include <emmy/assembly/force_term.h>
 #include <emmy/material/material.h>
+#include <emmy/output/measurement.h>
 #include <emmy/particles/shape.h>
 #include <emmy/particles/stencils.h>
 #include <emmy/solve/linear_solver.h>
@@ -69,6 +70,10 @@ namespace emmy
                 "Method/Shape functions",
                 choices(shape_function_library<2>(),
                         shape_function_library<3>()));
+    print_group(out,
+                "measurements",
+                "Measurements/NAME/Type",
+                choices(measurement_library<2>(), measurement_library<3>()));
     print_group(out,
                 "linear solvers",
                 "Solver/Linear solver",

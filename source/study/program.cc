@@ -6,6 +6,7 @@
 #include <emmy/study/run.h>
 #include <emmy/study/scene_parameters.h>
 #include <emmy/study/study.h>
+#include <emmy/study/study_parameters.h>
 
 #include <iostream>
 #include <string>
@@ -21,8 +22,10 @@ namespace emmy
   emmy FILE.prm [options]          run the scene of a parameter file
   emmy study FILE.prm [options]    run the study of a parameter file: a scene
                                    with many settings, compared in study.csv
+                                   and on a page with pictures
   emmy --check FILE.prm            read it, build the scene, say what each part
                                    will cost; run nothing
+  emmy study --check FILE.prm      read all members of a study; run nothing
   emmy --check --all FILE.prm      and what each absent effect would cost
   emmy --list                      the effects, materials, shapes, shape
                                    functions and solvers that there are
@@ -33,6 +36,9 @@ namespace emmy
 
 options
   --set "Section/Name=value"       override an entry; may be repeated
+  --tolerance NUMBER               of a study: the cheapest of its members that
+                                   have run with errors of at most this; run
+                                   nothing
   --all                            of a run: say at its head what each absent
                                    effect would cost too
   --overwrite                      replace the results of an earlier run; run
@@ -55,7 +61,8 @@ In parallel: mpirun -np 2 emmy FILE.prm
       std::string              file;
       std::vector<std::string> assignments;
       bool                     overwrite = false, all = false;
-      bool                     is_study = false;
+      double                   tolerance = 0.; ///< 0: not asked for
+      bool                     is_study  = false;
     };
 
     CommandLine
@@ -90,6 +97,16 @@ In parallel: mpirun -np 2 emmy FILE.prm
                      "write --set \"Section/Name=value\".");
             line.assignments.push_back(*++word);
           }
+        else if (*word == "--tolerance")
+          {
+            const std::string number = word + 1 == words.end() ? "" : *++word;
+            char             *end    = nullptr;
+            line.tolerance           = std::strtod(number.c_str(), &end);
+            if (*end != '\0' || !(line.tolerance > 0.))
+              refuse("--tolerance <" + number + ">",
+                     "write a positive number behind it, e.g. --tolerance "
+                     "1e-3.");
+          }
         else if (word->substr(0, 1) == "-")
           refuse("unknown option <" + *word + ">", "emmy --help lists them.");
         else if (!line.file.empty())
@@ -97,10 +114,12 @@ In parallel: mpirun -np 2 emmy FILE.prm
                  "give one; start emmy once per file.");
         else
           line.file = *word;
-      if (line.is_study && (line.task == CommandLine::Task::check ||
-                            line.task == CommandLine::Task::list))
-        refuse("study with --check or --list",
-               "check the base scene: emmy --check FILE.prm.");
+      if (line.is_study && line.task == CommandLine::Task::list)
+        refuse("study with --list", "emmy --list alone lists what there is.");
+      if (line.tolerance > 0. &&
+          !(line.is_study && line.task == CommandLine::Task::run))
+        refuse("--tolerance without a study",
+               "write emmy study FILE.prm --tolerance 1e-3.");
       if (line.all &&
           (line.is_study || (line.task != CommandLine::Task::check &&
                              line.task != CommandLine::Task::run)))
@@ -152,7 +171,15 @@ In parallel: mpirun -np 2 emmy FILE.prm
                   const bool           is_first)
     {
       if (line.task != CommandLine::Task::print_parameters)
-        run_study(read_study(file, line.file), line.overwrite, MPI_COMM_WORLD);
+        {
+          const StudyPlan plan = read_study(file, line.file);
+          if (line.task == CommandLine::Task::check)
+            check_study(plan, MPI_COMM_WORLD);
+          else if (line.tolerance > 0.)
+            answer_study(plan, line.tolerance, MPI_COMM_WORLD);
+          else
+            run_study(plan, line.overwrite, MPI_COMM_WORLD);
+        }
       else if (is_first)
         print_study_parameters(file, std::cout);
     }

@@ -112,7 +112,7 @@ namespace emmy
       while (report.time < limits.end_time * (1. - 1e-12) &&
              (limits.maximum_steps == 0 || report.step < limits.maximum_steps))
         {
-          report = scene.stepper->advance();
+          report = scene.advance();
           for (const std::string &note : report.notes)
             progress.note(note);
           for (const std::string &finding : report.findings)
@@ -159,8 +159,9 @@ namespace emmy
     parameters.output.validate();
     parameters.solver.validate(); // not only when the first step needs it
     Scene<dim>       scene(parameters, communicator);
-    const StepReport initial = scene.stepper->initial_report();
-    const SceneCard  card    = [&] {
+    const StepReport initial = scene.initial_report();
+    Ledger           ledger(initial, dim);
+    const SceneCard  card = [&] {
       const auto timed = scene.phases.scope("scene card");
       return make_card(scene, parameters, options.with_absent);
     }();
@@ -192,7 +193,6 @@ namespace emmy
     screen << head.str() << std::flush;
     log << head.str() << std::flush;
 
-    Ledger ledger(initial, dim);
     if (is_first)
       ledger.write_to(directory.file("ledger.csv"));
     Frames<dim> frames(scene, parameters, directory);

@@ -273,6 +273,42 @@ namespace emmy
                          layout.n_components());
     fill(bodies, grid, layout, particles);
     notes = balance.mark(grid, particles);
+    for (const auto &measurement : parameters.measurements)
+      measurements.push_back(
+        measurement->make({bodies, grid, layout, particles}));
+  }
+
+  template <int dim>
+  StepReport
+  Scene<dim>::initial_report()
+  {
+    StepReport report = stepper->initial_report();
+    measure(report);
+    return report;
+  }
+
+  template <int dim>
+  StepReport
+  Scene<dim>::advance()
+  {
+    StepReport report = stepper->advance();
+    measure(report);
+    return report;
+  }
+
+  template <int dim>
+  void
+  Scene<dim>::measure(StepReport &report)
+  {
+    if (measurements.empty())
+      return;
+    const auto timed = phases.scope("measurements");
+    for (const auto &measurement : measurements)
+      {
+        const auto timed = phases.effect(measurement->card().name);
+        for (const StepMeasure &value : measurement->measure(particles))
+          report.measures.push_back(value);
+      }
   }
 
   template <int dim>

@@ -89,6 +89,8 @@ namespace emmy
                            scene.boundary_conditions.has_moving_walls()))
           add(effect);
         add(parameters.diagnosis.card());
+        for (const auto &measurement : scene.measurements)
+          add(measurement->card());
         std::stable_sort(card.effects.begin(),
                          card.effects.end(),
                          [](const auto &a, const auto &b) {

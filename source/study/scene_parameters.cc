@@ -246,6 +246,11 @@ namespace emmy
                      join(effect_library<dim>().names()) +
                      ". What is not named costs nothing.")
     , method(shape_function_library<dim>().names())
+    , measurement_names("Measurements",
+                        "Names of further columns of the ledger. Each has a "
+                        "section of its name with an entry <Type>: " +
+                          join(measurement_library<dim>().names()) +
+                          ". Its columns are NAME_x and so on.")
   {
     // The file names things; each name brings a section, each model its
     // parameters. The handler prints in the order of declaration.
@@ -269,6 +274,17 @@ namespace emmy
       }
     for (const std::string &name : names_in(file, "Effects"))
       effect_library<dim>().find(name, "Effects", "Names");
+    for (const std::string &name : names_in(file, "Measurements"))
+      {
+        const std::string section = "Measurements/" + name;
+        const std::string type    = file.value(section + "/Type", "");
+        require_choice(type,
+                       section,
+                       "Type",
+                       measurement_library<dim>().names());
+        measurements.push_back(
+          measurement_library<dim>().find(type, section, "Type").make(section));
+      }
     for (const auto &entry : effect_library<dim>().list())
       effects[entry.name] = entry.make(effect_section(entry.name));
 
@@ -317,6 +333,14 @@ namespace emmy
       {
         names.push_back("the " + shape);
         text << "subsection " << names.back() << "\nset Shape = " << shape
+             << "\nend\n";
+      }
+    text << "set Names = " << join(names) << "\nend\nsubsection Measurements\n";
+    names.clear();
+    for (const std::string &type : measurement_library<3>().names())
+      {
+        names.push_back("the " + type);
+        text << "subsection " << names.back() << "\nset Type = " << type
              << "\nend\n";
       }
     text << "set Names = " << join(names) << "\nend\n";

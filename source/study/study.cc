@@ -1,15 +1,14 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
-#include <emmy/study/run.h>
-#include <emmy/study/scene_parameters.h>
 #include <emmy/study/study.h>
+#include <emmy/study/study_page.h>
+#include <emmy/study/study_pictures.h>
+#include <emmy/study/study_runner.h>
 #include <emmy/study/study_table.h>
 
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <iostream>
 #include <sstream>
 
@@ -19,249 +18,91 @@ namespace emmy
   {
     namespace fs = std::filesystem;
 
-    template <int dim>
-    std::string
-    parameters_text(const ParameterFile &file)
-    {
-      std::ostringstream         text;
-      const SceneParameters<dim> parameters(file);
-      parameters.print(text);
-      return text.str();
-    }
-
-    /** All parameters of a scene. Throws ExcParameter or ExcRun. */
-    std::string
-    parameters_text(const ParameterFile &file)
-    {
-      return dimension_of(file) == 2 ? parameters_text<2>(file)
-                                     : parameters_text<3>(file);
-    }
-
     /**
-     * Why @p work failed; empty if it did not. Only our own errors are raised
-     * on all ranks together; others are caught if there is one rank.
+     * Throws if the folder belongs to another study, else marks it as that of
+     * this one. Rank 0 looks. Collective.
      */
-    std::string
-    failure_of(const std::function<void()> &work, const bool is_alone)
-    {
-      const auto text = [](const std::string &message) {
-        return message.empty() ? std::string("an error without words")
-                               : message;
-      };
-      try
-        {
-          work();
-        }
-      catch (const ExcParameter &error)
-        {
-          return text(message_of(error));
-        }
-      catch (const ExcRun &error)
-        {
-          return text(message_of(error));
-        }
-      catch (const dealii::ExceptionBase &error)
-        {
-          if (!is_alone)
-            throw;
-          return "unexpected error: " + message_of(error);
-        }
-      catch (const std::exception &error)
-        {
-          if (!is_alone)
-            throw;
-          return std::string("unexpected error: ") + error.what();
-        }
-      catch (...) // Epetra throws numbers
-        {
-          if (!is_alone)
-            throw;
-          return "unexpected error of an unknown kind";
-        }
-      return {};
-    }
-
-    /** Let the next peak be that of the next run. Without effect elsewhere
-     * than on Linux: then the peak is that of the study so far. */
     void
-    forget_peak_memory()
-    {
-      std::ofstream("/proc/self/clear_refs") << "5\n" << std::flush;
-    }
-
-    /** Runs what is not there yet, and keeps the time. Lives for one study. */
-    class Runner
-    {
-    public:
-      Runner(const StudyPlan &plan,
-             const bool       overwrite,
-             const MPI_Comm   communicator);
-
-      /** All repetitions of a member; why one failed, or empty. Collective. */
-      std::string
-      run_member(const StudyMember &member);
-
-      /** Whether the last member, or a repetition of it, ran just now. */
-      bool has_run = false;
-
-      /** Of the runs so far, on the average; 0 without any. */
-      double
-      mean_seconds() const
-      {
-        return n_runs > 0 ? seconds / n_runs : 0.;
-      }
-
-    private:
-      std::string
-      run_once(const StudyMember &member, const unsigned int repetition);
-
-      /** How a run with this @p key ended that is there already; empty if
-       * none is. Rank 0 looks. Collective. */
-      std::string
-      outcome_there(const std::string &folder, const std::string &key) const;
-
-      /** Write member.txt. Collective. */
-      void
-      record(const std::string &folder,
-             const std::string &outcome,
-             const std::string &key) const;
-
-      const StudyPlan &plan;
-      const bool       overwrite;
-      const MPI_Comm   communicator;
-      const bool       is_first, is_alone;
-      unsigned int     n_runs  = 0;
-      double           seconds = 0.;
-    };
-
-    Runner::Runner(const StudyPlan &plan,
-                   const bool       overwrite,
-                   const MPI_Comm   communicator)
-      : plan(plan)
-      , overwrite(overwrite)
-      , communicator(communicator)
-      , is_first(dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
-      , is_alone(dealii::Utilities::MPI::n_mpi_processes(communicator) == 1)
-    {}
-
-    std::string
-    Runner::run_member(const StudyMember &member)
-    {
-      has_run = false;
-      std::string failure;
-      for (unsigned int r = 0; r < plan.repetitions && failure.empty(); ++r)
-        failure = run_once(member, r);
-      return failure;
-    }
-
-    std::string
-    Runner::outcome_there(const std::string &folder,
-                          const std::string &key) const
-    {
-      std::string outcome;
-      if (is_first && !overwrite)
-        {
-          std::ifstream      file(folder + "/member.txt");
-          std::ostringstream rest;
-          std::getline(file, outcome);
-          rest << file.rdbuf();
-          if (rest.str() != key ||
-              (outcome == "done" && !(fs::exists(folder + "/ledger.csv") &&
-                                      fs::exists(folder + "/timing.json"))))
-            outcome.clear();
-        }
-      return dealii::Utilities::MPI::broadcast(communicator, outcome);
-    }
-
-    void
-    Runner::record(const std::string &folder,
-                   const std::string &outcome,
-                   const std::string &key) const
+    claim_folder(const StudyPlan &plan,
+                 const bool       overwrite,
+                 const MPI_Comm   communicator)
     {
       std::string problem;
-      if (is_first)
+      if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
         {
+          const std::string name  = fs::path(plan.file).filename().string();
+          const std::string mark  = plan.directory + "/study.txt";
+          std::string       owner = name;
+          std::ifstream     there(mark);
+          if (there && !overwrite)
+            std::getline(there, owner);
           std::error_code ignored; // then the file cannot be opened
-          fs::create_directories(folder, ignored);
-          std::ofstream file(folder + "/member.txt");
-          file << outcome << '\n' << key << std::flush;
-          if (!file)
-            problem = "cannot write <" + folder + "/member.txt>";
+          fs::create_directories(plan.directory, ignored);
+          if (owner != name)
+            problem = "<" + plan.directory + "> has the results of study <" +
+                      owner + ">";
+          else if (!(std::ofstream(mark) << name << std::endl))
+            problem = "cannot write <" + mark + ">";
         }
       throw_together(communicator,
-                     "Study",
+                     "<Study/Directory>",
                      problem,
-                     "check the folder's permissions and the disk's free "
-                     "space; then start the study again, which goes on here.");
+                     "give each study a folder that it may write to; "
+                     "--overwrite replaces the results of another study.");
     }
 
-    std::string
-    Runner::run_once(const StudyMember &member, const unsigned int repetition)
-    {
-      const std::string   folder = plan.folder(member, repetition);
-      const ParameterFile scene  = plan.scene(member, repetition);
-      std::string         key;
-      std::string         failure =
-        failure_of([&] { key = parameters_text(scene); }, is_alone);
-      if (!failure.empty())
-        return failure; // costs nothing: tried again each time
-      key =
-        "emmy " EMMY_VERSION ", ranks: " +
-        std::to_string(dealii::Utilities::MPI::n_mpi_processes(communicator)) +
-        "\n" + key;
-      const std::string there = outcome_there(folder, key);
-      if (there == "done")
-        return {};
-      if (!there.empty())
-        return there.substr(there.find(' ') + 1);
-
-      // an interrupted run has no outcome
-      if (is_first)
-        {
-          std::error_code ignored; // there may be none
-          fs::remove(folder + "/member.txt", ignored);
-        }
-      forget_peak_memory();
-      RunOptions options;
-      options.overwrite  = true;
-      options.is_quiet   = true;
-      const double start = MPI_Wtime();
-      failure            = failure_of(
-        [&] {
-          if (dimension_of(scene) == 2)
-            run<2>(scene, options, communicator);
-          else
-            run<3>(scene, options, communicator);
-        },
-        is_alone);
-      seconds += MPI_Wtime() - start;
-      ++n_runs;
-      has_run = true;
-      std::replace(failure.begin(), failure.end(), '\n', ' ');
-      record(folder, failure.empty() ? "done" : "failed: " + failure, key);
-      return failure;
-    }
-
-    /** Throws if no member can be read: a mistake of the study, not of one. */
+    /** Run @p work on rank 0; what goes wrong is raised on all ranks. */
     void
-    require_readable_members(const StudyPlan &plan)
+    on_first_rank(const std::function<void()> &work,
+                  const MPI_Comm               communicator)
     {
-      std::string first_problem;
-      for (const StudyMember &member : plan.members)
-        {
-          const std::string problem =
-            failure_of([&] { parameters_text(plan.scene(member, 0)); },
-                       /*is_alone=*/false);
-          if (problem.empty())
-            return;
-          if (first_problem.empty())
-            first_problem = member.name + ": " + problem;
-        }
-      AssertThrow(false,
+      throw_together(communicator,
+                     "Study",
+                     dealii::Utilities::MPI::this_mpi_process(communicator) == 0
+                       ? failure_of(work, /*is_alone=*/true)
+                       : std::string(),
+                     "members that are done are kept: start the study again.");
+    }
+
+    /** The page and its pictures. For rank 0. */
+    void
+    write_report(const StudyPlan  &plan,
+                 const StudyTable &table,
+                 std::ostream     &screen)
+    {
+      const std::string page = plan.directory + "/study.md";
+      std::ofstream     out(page);
+      write_study_page(out, plan, table);
+      out.close();
+      AssertThrow(out,
                   ExcRun("Study",
-                         "no member can be read. The first: " + first_problem,
-                         "correct <Entries> or <Values> of the study's lists, "
-                         "or its base scene."));
+                         "cannot write <" + page + ">",
+                         "check the folder's permissions and the disk's free "
+                         "space."));
+      for (const std::string &warning : draw_study(plan, table))
+        screen << "note: " << warning << '\n';
+      screen << "page with pictures in " << page << '\n';
+    }
+
+    /** Errors that only the results show. Collective. */
+    void
+    require_results(const StudyTable &table, const MPI_Comm communicator)
+    {
+      const bool is_first =
+        dealii::Utilities::MPI::this_mpi_process(communicator) == 0;
+      throw_together(communicator,
+                     "Study",
+                     is_first && table.n_done() == 0 ? "no member is done" : "",
+                     "see the reasons above and in each member's run.log.");
+      const std::string unknown = is_first ? table.unknown_quantities() : "";
+      throw_together(communicator,
+                     "Study",
+                     unknown.empty() ? ""
+                                     : "<Study/Quantities>: no member's ledger "
+                                       "has the column " +
+                                         unknown,
+                     "correct the name and start the study again: members are "
+                     "not run again for that.");
     }
   } // namespace
 
@@ -271,6 +112,8 @@ namespace emmy
             const MPI_Comm   communicator)
   {
     require_readable_members(plan);
+    StudyTable table(plan);
+    claim_folder(plan, overwrite, communicator);
     const bool is_first =
       dealii::Utilities::MPI::this_mpi_process(communicator) == 0;
     std::ostream      nowhere(nullptr);
@@ -281,8 +124,7 @@ namespace emmy
            << plan.repetitions << " run" << (plan.repetitions > 1 ? "s" : "")
            << " each, in " << plan.directory << '\n';
 
-    StudyTable   table(plan);
-    Runner       runner(plan, overwrite, communicator);
+    StudyRunner  runner(plan, overwrite, communicator);
     unsigned int n_run = 0;
     for (unsigned int m = 0; m < n_members; ++m)
       {
@@ -291,24 +133,16 @@ namespace emmy
                << plan.setting(member) << std::flush;
         const std::string failure = runner.run_member(member);
         n_run += runner.has_run;
-        // reading and writing is for rank 0; what goes wrong is for all
-        const std::string problem =
-          is_first ? failure_of(
-                       [&] {
-                         std::filesystem::create_directories(plan.directory);
-                         if (failure.empty())
-                           table.add_done(m);
-                         else
-                           table.add_failed(m, failure);
-                         table.write_csv(csv);
-                       },
-                       /*is_alone=*/true)
-                   : std::string();
-        throw_together(
-          communicator,
-          "Study",
-          problem,
-          "members that are done are kept: start the study again.");
+        on_first_rank(
+          [&] {
+            if (failure.empty())
+              table.add_done(m);
+            else
+              table.add_failed(m, failure);
+            table.find_limits();
+            table.write_csv(csv);
+          },
+          communicator);
         screen << (failure.empty() ? "  done" : "  FAILED")
                << (runner.has_run ? "" : " (no new run)");
         if (m + 1 < n_members && runner.mean_seconds() > 0.)
@@ -326,18 +160,78 @@ namespace emmy
     table.print(screen);
     screen << "members that ran: " << n_run << ", done: " << table.n_done()
            << " of " << n_members << "; table in " << csv << '\n';
+    require_results(table, communicator);
+    on_first_rank([&] { write_report(plan, table, screen); }, communicator);
+  }
+
+  void
+  check_study(const StudyPlan &plan, const MPI_Comm communicator)
+  {
+    const bool is_first =
+      dealii::Utilities::MPI::this_mpi_process(communicator) == 0;
+    const StudyTable   table(plan); // names of columns
+    std::ostringstream text;
+    unsigned int       n_problems = 0;
+    for (const StudyMember &member : plan.members)
+      {
+        const std::string problem = reading_problem(plan, member);
+        n_problems += !problem.empty();
+        text << member.name << ": " << plan.setting(member)
+             << (problem.empty() ? "" : "\n  CANNOT BE READ: " + problem)
+             << '\n';
+      }
+    if (is_first)
+      std::cout << text.str();
     throw_together(communicator,
                    "Study",
-                   is_first && table.n_done() == 0 ? "no member is done" : "",
-                   "see the reasons above and in each member's run.log.");
-    const std::string unknown = is_first ? table.unknown_quantities() : "";
+                   n_problems == 0
+                     ? ""
+                     : std::to_string(n_problems) + " members cannot be read",
+                   "see above; correct <Entries> or <Values> of its lists, or "
+                   "its base scene.");
+  }
+
+  void
+  answer_study(const StudyPlan &plan,
+               const double     tolerance,
+               const MPI_Comm   communicator)
+  {
+    require_readable_members(plan);
+    const bool is_first =
+      dealii::Utilities::MPI::this_mpi_process(communicator) == 0;
+    StudyTable   table(plan);
+    StudyRunner  runner(plan, /*overwrite=*/false, communicator);
+    unsigned int n_there = 0;
+    for (unsigned int m = 0; m < plan.members.size(); ++m)
+      {
+        std::string failure;
+        if (!runner.look_up(plan.members[m], failure))
+          continue;
+        ++n_there;
+        on_first_rank(
+          [&] {
+            if (failure.empty())
+              table.add_done(m);
+            else
+              table.add_failed(m, failure);
+          },
+          communicator);
+      }
+    require_results(table, communicator);
+    std::string problem;
+    if (is_first)
+      {
+        table.find_limits();
+        if (n_there < plan.members.size())
+          std::cout << "only " << n_there << " of " << plan.members.size()
+                    << " members have run: start the study to have all\n";
+        if (!print_cheapest(std::cout, plan, table, tolerance))
+          problem = "no member meets " + shortest(tolerance) +
+                    " in each of the quantities";
+      }
     throw_together(communicator,
                    "Study",
-                   unknown.empty() ? ""
-                                   : "<Study/Quantities>: no member's ledger "
-                                     "has the column " +
-                                       unknown,
-                   "correct the name and start the study again: members are "
-                   "not run again for that.");
+                   problem,
+                   "add finer members to its lists, or ask for less.");
   }
 } // namespace emmy

@@ -15,49 +15,13 @@ namespace emmy
 {
   namespace
   {
-    /** Last and largest values of each column of a ledger.csv. */
-    struct LedgerEnds
-    {
-      std::vector<std::string> columns;
-      std::vector<double>      last, largest;
-
-      explicit LedgerEnds(const std::string &filename);
-
-      /** A number of a column; @p missing if there is none. */
-      double
-      value(const StudyQuantity &quantity, const double missing) const
-      {
-        const auto c =
-          std::find(columns.begin(), columns.end(), quantity.column) -
-          columns.begin();
-        if (c == static_cast<std::ptrdiff_t>(columns.size()))
-          return missing;
-        return quantity.is_largest ? largest[c] : last[c];
-      }
-    };
-
-    LedgerEnds::LedgerEnds(const std::string &filename)
-    {
-      std::ifstream file(filename);
-      std::string   line;
-      std::getline(file, line);
-      columns = dealii::Utilities::split_string_list(line, ',');
-      while (std::getline(file, line))
-        {
-          last.clear();
-          for (const std::string &word :
-               dealii::Utilities::split_string_list(line, ','))
-            last.push_back(std::strtod(word.c_str(), nullptr));
-          largest.resize(last.size(), 0.);
-          for (unsigned int c = 0; c < last.size(); ++c)
-            if (std::abs(last[c]) >= std::abs(largest[c]))
-              largest[c] = last[c];
-        }
-      AssertThrow(!last.empty() && last.size() == columns.size(),
-                  ExcRun("Study",
-                         "cannot read <" + filename + ">",
-                         "remove its folder, or run with --overwrite."));
-    }
+    /** Of timing.json, in the order of study.csv. */
+    const std::vector<std::pair<const char *, const char *>> counts = {
+      {"peak_memory_bytes", "peak_memory_bytes"},
+      {"total_newton_iterations", "newton_iterations"},
+      {"total_linear_iterations", "linear_iterations"},
+      {"steps", "steps"},
+      {"ranks", "ranks"}};
 
     boost::property_tree::ptree
     read_json(const std::string &filename)
@@ -99,9 +63,10 @@ namespace emmy
   StudyTable::StudyTable(const StudyPlan &plan)
     : plan(plan)
     , rows(plan.members.size())
+    , limits(plan.quantities.size(), {unknown, unknown})
   {
     for (Row &row : rows)
-      row.quantities.assign(plan.quantities.size(), unknown);
+      row.values.assign(plan.quantities.size(), unknown);
     const auto names = column_names();
     for (const std::string &name : names)
       AssertThrow(std::count(names.begin(), names.end(), name) == 1,
@@ -112,6 +77,13 @@ namespace emmy
                                "Rename the list, or give the quantity once."));
   }
 
+  bool
+  StudyTable::has_difference(const unsigned int quantity) const
+  {
+    return plan.references[quantity].kind != StudyReference::Kind::none &&
+           plan.quantities[quantity].kind != StudyQuantity::Kind::path;
+  }
+
   std::vector<std::string>
   StudyTable::column_names() const
   {
@@ -119,18 +91,20 @@ namespace emmy
     for (const StudyList &list : plan.lists)
       names.push_back(list.name);
     names.push_back("state");
-    for (const StudyQuantity &quantity : plan.quantities)
-      names.insert(names.end(),
-                   {quantity.name(), quantity.name() + "_difference"});
+    for (unsigned int q = 0; q < plan.quantities.size(); ++q)
+      {
+        const std::string name = plan.quantities[q].name();
+        if (plan.quantities[q].kind != StudyQuantity::Kind::path)
+          names.push_back(name);
+        if (has_difference(q))
+          names.push_back(name + "_difference");
+        names.insert(names.end(), {name + "_error", name + "_is_best"});
+      }
     names.insert(names.end(),
-                 {"final_balance_error",
-                  "median_seconds",
-                  "spread_seconds",
-                  "peak_memory_bytes",
-                  "total_newton_iterations",
-                  "total_linear_iterations",
-                  "steps",
-                  "ranks"});
+                 {"final_balance_error", "median_seconds", "spread_seconds"});
+    for (const auto &[column, key] : counts)
+      names.push_back(column);
+    names.insert(names.end(), phase_columns.begin(), phase_columns.end());
     return names;
   }
 
@@ -140,30 +114,46 @@ namespace emmy
     Row &row  = rows[m];
     row.state = "done";
     row.seconds.clear();
+    row.paths.resize(plan.quantities.size());
+    const auto remember = [](std::vector<std::string>       &all,
+                             const std::vector<std::string> &names) {
+      for (const std::string &name : names)
+        if (std::count(all.begin(), all.end(), name) == 0)
+          all.push_back(name);
+    };
     for (unsigned int r = 0; r < plan.repetitions; ++r)
       {
         const std::string folder = plan.folder(plan.members[m], r);
         const auto        timing = read_json(folder + "/timing.json");
-        const auto        number = [&timing](const char *key) {
-          return timing.get<double>(key, unknown);
-        };
-        row.seconds.push_back(number("total_seconds"));
-        row.memory = std::fmax(row.memory, number("peak_memory_bytes"));
+        row.seconds.push_back(timing.get<double>("total_seconds", unknown));
         if (r > 0)
           continue;
-        row.ranks             = number("ranks");
-        row.steps             = number("steps");
-        row.newton_iterations = number("newton_iterations");
-        row.linear_iterations = number("linear_iterations");
-        const LedgerEnds ledger(folder + "/ledger.csv");
-        row.balance_error = ledger.value({"balance_error", false}, unknown);
+        for (const auto &[column, key] : counts)
+          row.numbers[column] = timing.get<double>(key, unknown);
+        for (const auto &[nothing, phase] : timing.get_child("phases"))
+          {
+            const std::string column =
+              "seconds_" + dealii::Utilities::replace_in_string(
+                             phase.get<std::string>("name"), " ", "_");
+            row.numbers[column] = phase.get<double>("seconds");
+            remember(phase_columns, {column});
+          }
+        const LedgerHistory ledger(folder + "/ledger.csv");
+        if (ledger.has("balance_error"))
+          row.numbers["final_balance_error"] =
+            ledger.column("balance_error").back();
         for (unsigned int q = 0; q < plan.quantities.size(); ++q)
-          row.quantities[q] = ledger.value(plan.quantities[q], unknown);
-        for (const std::string &column : ledger.columns)
-          if (std::count(ledger_columns.begin(),
-                         ledger_columns.end(),
-                         column) == 0)
-            ledger_columns.push_back(column);
+          {
+            const StudyQuantity &quantity = plan.quantities[q];
+            if (!quantity.is_in(ledger))
+              continue;
+            remember(ledger_columns, {quantity.column});
+            if (quantity.kind == StudyQuantity::Kind::path)
+              row.paths[q] = quantity.path(ledger);
+            else
+              row.values[q] = quantity.value(ledger);
+          }
+        remember(ledger_columns, ledger.names);
       }
     std::sort(row.seconds.begin(), row.seconds.end());
   }
@@ -202,23 +192,118 @@ namespace emmy
     return join(result);
   }
 
-  double
-  StudyTable::Row::median_seconds() const
+  void
+  StudyTable::find_limits()
   {
-    if (seconds.empty())
-      return unknown;
-    return 0.5 *
-           (seconds[(seconds.size() - 1) / 2] + seconds[seconds.size() / 2]);
+    if (!plan.has_sizes())
+      return;
+    std::vector<unsigned int> finest;
+    const StudyCurve          last = study_curves(plan).back();
+    for (const unsigned int m : last.members)
+      if (is_done(m))
+        finest.push_back(m);
+    if (finest.size() < 3)
+      return;
+    finest.erase(finest.begin(), finest.end() - 3);
+    for (unsigned int q = 0; q < plan.quantities.size(); ++q)
+      {
+        std::array<double, 3> sizes, values;
+        for (unsigned int i = 0; i < 3; ++i)
+          {
+            sizes[i]  = size_of(plan, finest[i]);
+            values[i] = rows[finest[i]].values[q];
+          }
+        limits[q] = richardson_limit(sizes, values);
+      }
+  }
+
+  bool
+  StudyTable::is_done(const unsigned int m) const
+  {
+    return rows[m].state == "done";
+  }
+
+  std::string
+  StudyTable::state(const unsigned int m) const
+  {
+    return rows[m].state +
+           (rows[m].reason.empty() ? "" : ": " + rows[m].reason);
+  }
+
+  double
+  StudyTable::seconds(const unsigned int m) const
+  {
+    const std::vector<double> &all = rows[m].seconds;
+    return all.empty()
+             ? unknown
+             : 0.5 * (all[(all.size() - 1) / 2] + all[all.size() / 2]);
+  }
+
+  double
+  StudyTable::spread(const unsigned int m) const
+  {
+    const std::vector<double> &all = rows[m].seconds;
+    return all.empty() ? unknown : all.back() - all.front();
+  }
+
+  double
+  StudyTable::number(const unsigned int m, const std::string &column) const
+  {
+    const auto found = rows[m].numbers.find(column);
+    return found == rows[m].numbers.end() ? unknown : found->second;
+  }
+
+  double
+  StudyTable::reference(const unsigned int quantity) const
+  {
+    const StudyReference &reference = plan.references[quantity];
+    switch (reference.kind)
+      {
+        case StudyReference::Kind::number:
+          return reference.number;
+        case StudyReference::Kind::member:
+          return rows[reference.member].values[quantity];
+        case StudyReference::Kind::limit:
+          return limits[quantity].value;
+        default:
+          return unknown;
+      }
+  }
+
+  double
+  StudyTable::limit_order(const unsigned int quantity) const
+  {
+    return plan.references[quantity].kind == StudyReference::Kind::limit
+             ? limits[quantity].order
+             : unknown;
   }
 
   double
   StudyTable::difference(const unsigned int m,
                          const unsigned int quantity) const
   {
-    return plan.reference == StudyPlan::no_reference
-             ? unknown
-             : rows[m].quantities[quantity] -
-                 rows[plan.reference].quantities[quantity];
+    return rows[m].values[quantity] - reference(quantity);
+  }
+
+  double
+  StudyTable::error(const unsigned int m, const unsigned int quantity) const
+  {
+    const StudyReference &to    = plan.references[quantity];
+    const double          given = plan.scales[quantity];
+    const auto            over  = [given](const double size) {
+      return given > 0. ? given : size > 0. ? size : 1.;
+    };
+    if (to.kind == StudyReference::Kind::none)
+      return std::abs(rows[m].values[quantity]) / over(1.);
+    if (to.kind == StudyReference::Kind::member && to.member == m)
+      return unknown; // it is zero by definition
+    if (plan.quantities[quantity].kind != StudyQuantity::Kind::path)
+      return std::abs(difference(m, quantity)) /
+             over(std::abs(reference(quantity)));
+    if (!is_done(m) || !is_done(to.member))
+      return unknown;
+    const StudyPath &path = rows[to.member].paths[quantity];
+    return distance(rows[m].paths[quantity], path) / over(path.range());
   }
 
   void
@@ -235,28 +320,34 @@ namespace emmy
     };
     finish_line();
 
+    std::vector<std::vector<bool>> is_best;
+    for (unsigned int q = 0; q < plan.quantities.size(); ++q)
+      is_best.push_back(pareto_front(all_seconds(), errors(q)));
     for (unsigned int m = 0; m < rows.size(); ++m)
       {
         const Row &row = rows[m];
         cells          = {plan.members[m].name};
         for (const std::string &value : plan.members[m].values)
           cells.push_back(cell(value));
-        cells.push_back(
-          cell(row.reason.empty() ? row.state : row.state + ": " + row.reason));
+        cells.push_back(cell(state(m)));
         for (unsigned int q = 0; q < plan.quantities.size(); ++q)
-          for (const double number : {row.quantities[q], difference(m, q)})
-            cells.push_back(cell(number));
-        for (const double number :
-             {row.balance_error,
-              row.median_seconds(),
-              row.seconds.empty() ? unknown
-                                  : row.seconds.back() - row.seconds.front(),
-              row.memory,
-              row.newton_iterations,
-              row.linear_iterations,
-              row.steps,
-              row.ranks})
-          cells.push_back(cell(number));
+          {
+            if (plan.quantities[q].kind != StudyQuantity::Kind::path)
+              cells.push_back(cell(row.values[q]));
+            if (has_difference(q))
+              cells.push_back(cell(difference(m, q)));
+            cells.push_back(cell(error(m, q)));
+            cells.push_back(std::isnan(error(m, q)) ? ""
+                            : is_best[q][m]         ? "1"
+                                                    : "0");
+          }
+        for (const double value :
+             {number(m, "final_balance_error"), seconds(m), spread(m)})
+          cells.push_back(cell(value));
+        for (const auto &[column, key] : counts)
+          cells.push_back(cell(number(m, column)));
+        for (const std::string &column : phase_columns)
+          cells.push_back(cell(number(m, column)));
         finish_line();
       }
     out << std::flush;
@@ -267,30 +358,47 @@ namespace emmy
                        "space."));
   }
 
+  std::vector<double>
+  StudyTable::all_seconds() const
+  {
+    std::vector<double> result;
+    for (unsigned int m = 0; m < rows.size(); ++m)
+      result.push_back(seconds(m));
+    return result;
+  }
+
+  std::vector<double>
+  StudyTable::errors(const unsigned int quantity) const
+  {
+    std::vector<double> result;
+    for (unsigned int m = 0; m < rows.size(); ++m)
+      result.push_back(error(m, quantity));
+    return result;
+  }
+
   void
   StudyTable::print(std::ostream &out) const
   {
-    const bool has_reference = plan.reference != StudyPlan::no_reference;
     std::vector<std::vector<std::string>> lines{{"member"}};
     for (const StudyList &list : plan.lists)
-      lines[0].push_back(list.name);
+      if (list.varies())
+        lines[0].push_back(list.name);
     lines[0].insert(lines[0].end(), {"state", "seconds"});
     for (const StudyQuantity &quantity : plan.quantities)
-      lines[0].push_back(quantity.name());
+      lines[0].push_back(quantity.name() + "_error");
     for (unsigned int m = 0; m < rows.size(); ++m)
       {
         const auto text = [](const double number) {
           return std::isnan(number) ? std::string("-") : brief(number);
         };
         lines.push_back({plan.members[m].name});
-        for (const std::string &value : plan.members[m].values)
-          lines.back().push_back(value);
+        for (unsigned int i = 0; i < plan.lists.size(); ++i)
+          if (plan.lists[i].varies())
+            lines.back().push_back(plan.members[m].values[i]);
         lines.back().insert(lines.back().end(),
-                            {rows[m].state, text(rows[m].median_seconds())});
+                            {rows[m].state, text(seconds(m))});
         for (unsigned int q = 0; q < plan.quantities.size(); ++q)
-          lines.back().push_back(text(has_reference && m != plan.reference
-                                        ? difference(m, q)
-                                        : rows[m].quantities[q]));
+          lines.back().push_back(text(error(m, q)));
       }
     std::vector<std::size_t> widths(lines[0].size(), 0);
     for (const auto &line : lines)
@@ -298,20 +406,11 @@ namespace emmy
         widths[c] = std::max(widths[c], line[c].size());
     out << '\n';
     for (const auto &line : lines)
-      {
-        for (unsigned int c = 0; c < line.size(); ++c)
-          out << line[c]
-              << (c + 1 == line.size()
-                    ? std::string("\n")
-                    : std::string(widths[c] - line[c].size() + 2, ' '));
-      }
-    if (has_reference && !plan.quantities.empty())
-      out << "quantities: differences to " << plan.members[plan.reference].name
-          << ", its own values in its line"
-          << (rows[plan.reference].state == "done" ? ""
-                                                   : "; it is not done, so "
-                                                     "there are none")
-          << '\n';
+      for (unsigned int c = 0; c < line.size(); ++c)
+        out << line[c]
+            << (c + 1 == line.size()
+                  ? std::string("\n")
+                  : std::string(widths[c] - line[c].size() + 2, ' '));
     for (unsigned int m = 0; m < rows.size(); ++m)
       if (!rows[m].reason.empty())
         out << plan.members[m].name << " failed: " << rows[m].reason << '\n';

@@ -38,10 +38,10 @@ for entry in Effects/Names Materials/rubber/Model Bodies/block/Shape; do
   done
 done
 # patterns are in the reference: "# ... Default: linear. Possible values: linear|GIMP"
-for name in linear GIMP automatic direct GMRES BiCGStab Jacobi ILU ML; do
+for name in linear GIMP particle extent automatic direct GMRES BiCGStab Jacobi ILU ML; do
   listed $name
 done
-check '--list: six groups' has_lines 6 list '^[a-zB-Z].*\(.*/.*\)$'
+check '--list: seven groups' has_lines 7 list '^[a-zB-Z].*\(.*/.*\)$'
 
 echo "Errors"
 # refused NAME WORDS ARGUMENTS...: an error that says so
@@ -175,6 +175,11 @@ check 'GIMP: the update of domains was foretold too' [ \
   "$(of run.card 'present domain update' 4)" = "$(of base.card 'absent domain update' 4)" ]
 agrees 'moving wall' 'moving walls' base.prm --set 'Boundary conditions/Fixed=x-min' \
   --set 'Boundary conditions/Velocity of x-min=0.1; 0'
+agrees 'measurements' '' base.prm --set 'Measurements/Names=tip, block' \
+  --set 'Measurements/tip/Type=particle' --set 'Measurements/tip/Nearest to=2, 1.5' \
+  --set 'Measurements/block/Type=extent'
+check 'measurements: their columns' \
+  [ "$(of run.card 'present measurement tip' 5)" = 'tip_x, tip_y' ]
 sed -e 's/Hencky/von Mises/' -e "/Poisson/a set Yield stress = 2" base.prm >plastic.prm
 agrees 'plastic' '' plastic.prm
 for column in 2 4 5; do

@@ -59,7 +59,7 @@ check 'reference: every entry has a comment above it' [ -z "$(
   awk '/^ *set / && last !~ /^ *#/ { print }
        { last = $0 }' ../reference.prm
 )" ]
-for section in Grid Materials Bodies 'Boundary conditions' Effects Method Time Solver Diagnosis Output; do
+for section in Grid Materials Bodies 'Boundary conditions' Effects Method Time Solver Diagnosis Measurements Output; do
   check "reference: has section $section" matches ../reference.prm "^subsection $section\$"
 done
 prints 'the reference as a file' --print-parameters ../reference.prm

@@ -33,6 +33,14 @@ namespace emmy
      */
     Scene(const SceneParameters<dim> &parameters, const MPI_Comm communicator);
 
+    /** The state before the first step, as row 0 of the ledger. Collective. */
+    StepReport
+    initial_report();
+
+    /** One step, and what the scene measures after it: see Stepper. */
+    StepReport
+    advance();
+
     /**
      * The scene in words: what is there and what it will cost. Collective.
      * @param with_absent whether the card has what is absent too
@@ -52,20 +60,25 @@ namespace emmy
     std::vector<const Material<dim> *> material_of_body;
     FieldLayout                        layout;
     /** Of explicit steps; null with implicit ones. */
-    std::unique_ptr<ExplicitForce<dim>>     explicit_force;
-    Balance<dim>                            balance;
-    std::unique_ptr<ShapeFunctions<dim>>    shape_functions;
-    std::unique_ptr<DomainUpdate<dim>>      domain_update; ///< GIMP only
-    PointMapping                            mapping;
-    std::unique_ptr<StepRule<dim>>          step_rule;
-    dealii::Particles::ParticleHandler<dim> particles;
-    std::unique_ptr<TimeIntegrator<dim>>    stepper;
+    std::unique_ptr<ExplicitForce<dim>>            explicit_force;
+    Balance<dim>                                   balance;
+    std::unique_ptr<ShapeFunctions<dim>>           shape_functions;
+    std::unique_ptr<DomainUpdate<dim>>             domain_update; ///< GIMP only
+    PointMapping                                   mapping;
+    std::unique_ptr<StepRule<dim>>                 step_rule;
+    dealii::Particles::ParticleHandler<dim>        particles;
+    std::unique_ptr<TimeIntegrator<dim>>           stepper;
+    std::vector<std::unique_ptr<Measurement<dim>>> measurements;
     /** On which particles effects act, in words. */
     std::vector<std::string> notes;
 
   private:
     std::unique_ptr<TimeIntegrator<dim>>
     make_stepper(const SceneParameters<dim> &parameters);
+    /** Add the measurements of the particles as they are. Collective. */
+    void
+    measure(StepReport &report);
+
     /** Sum of the particles' reference volumes, m^3. Collective. */
     std::vector<double>
     volumes_of_bodies() const;

@@ -5,6 +5,7 @@
 #include <emmy/base/parameter_file.h>
 #include <emmy/grid/boundary_conditions.h>
 #include <emmy/material/material.h>
+#include <emmy/output/measurement.h>
 #include <emmy/particles/body.h>
 #include <emmy/solve/linear_solver.h>
 #include <emmy/step/doctor.h>
@@ -114,7 +115,9 @@ namespace emmy
     TimeParameters                                                time;
     SolverParameters                                              solver;
     DiagnosisParameters                                           diagnosis;
-    OutputParameters                                              output;
+    NameList                                                 measurement_names;
+    std::vector<std::unique_ptr<MeasurementParameters<dim>>> measurements;
+    OutputParameters                                         output;
   };
 
   /** The dimension a file asks for: 2 or 3. Throws ExcParameter otherwise. */

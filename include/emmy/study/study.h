@@ -8,8 +8,9 @@
 namespace emmy
 {
   /**
-   * Run the members of a study one after another, each on all ranks, and write
-   * study.csv. Collective.
+   * Run the members of a study one after another, each on all ranks or on as
+   * many as it says, and write study.csv, the page study.md and its pictures.
+   * Collective.
    *
    * A member that fails is noted with its reason, and the study goes on. Each
    * run leaves a file member.txt in its folder, once it has ended: how, and
@@ -25,6 +26,23 @@ namespace emmy
   run_study(const StudyPlan &plan,
             const bool       overwrite,
             const MPI_Comm   communicator);
+
+  /**
+   * List the members, and read the scene of each. Runs nothing. Collective.
+   * Throws ExcRun on all ranks if one cannot be read.
+   */
+  void
+  check_study(const StudyPlan &plan, const MPI_Comm communicator);
+
+  /**
+   * Say on the screen which member that has run is the cheapest with at most
+   * this @p tolerance, for each quantity. Runs nothing. Collective. Throws
+   * ExcRun on all ranks if there is none.
+   */
+  void
+  answer_study(const StudyPlan &plan,
+               const double     tolerance,
+               const MPI_Comm   communicator);
 } // namespace emmy
 
 #endif

@@ -2,9 +2,8 @@
 #define emmy_study_study_plan_h
 
 #include <emmy/base/parameter_file.h>
+#include <emmy/study/study_quantity.h>
 
-#include <iosfwd>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -14,47 +13,80 @@ namespace emmy
   struct StudyList
   {
     std::string              name;    ///< its section, its column in study.csv
-    std::vector<std::string> entries; ///< of the scene; all take the value
-    std::vector<std::string> values;
+    std::vector<std::string> entries; ///< of the scene
+    std::vector<std::string> values;  ///< their names, all different
+    /** For each value what each entry is set to. */
+    std::vector<std::vector<std::string>> settings;
+    /** A length, a step, ... for each value; empty if they are no numbers. */
+    std::vector<double> sizes;
+    std::string         label; ///< of an axis for the sizes
+
+    /** Whether members differ in it: a list of one value is not shown. */
+    bool
+    varies() const
+    {
+      return values.size() > 1;
+    }
+
+    /** Number of a value, of those that there are. */
+    unsigned int
+    position(const std::string &value) const;
+
+    /** Whether the values are numbers of ranks, not an entry of the scene. */
+    bool
+    is_ranks() const
+    {
+      return entries.front() == "Ranks";
+    }
   };
 
-  /** What a study compares: a column of the ledger. */
-  struct StudyQuantity
+  /** What is subtracted from a quantity to have its error. */
+  struct StudyReference
   {
-    std::string column;
-    bool        is_largest; ///< largest in size over the run, or at its end
+    enum class Kind
+    {
+      none,   ///< nothing: the quantity is an error already
+      number, ///< an exact value
+      member, ///< the value of a member
+      limit   ///< of three members of decreasing size (Richardson)
+    };
 
-    /** Its column in study.csv. */
-    std::string
-    name() const;
+    Kind         kind   = Kind::none;
+    double       number = 0.;
+    unsigned int member = 0;
   };
 
   /** One setting of the base scene. */
   struct StudyMember
   {
     std::string              name;   ///< member-001, ...; also its folder
-    std::vector<std::string> values; ///< one per list
+    std::vector<std::string> values; ///< name of one per list
   };
 
   /**
    * A study, as section `Study` of a parameter file describes it: a base
    * scene, the members made of it, and what is compared with which reference.
-   * Made once by read_study(), then passed as const.
+   * Made once by read_study() (study_parameters.h), then passed as const.
    */
   struct StudyPlan
   {
-    /** Of `reference`: nothing is subtracted. */
-    static constexpr unsigned int no_reference =
-      std::numeric_limits<unsigned int>::max();
-
-    std::string                directory;
-    std::vector<StudyList>     lists;
-    std::vector<StudyMember>   members;
-    std::vector<StudyQuantity> quantities;
-    unsigned int               reference = no_reference; ///< a member's number
-    unsigned int               repetitions = 1;
-    bool                       with_frames = false;
-    ParameterFile              base_scene;
+    std::string                 title, purpose; ///< for the page
+    std::string                 file;           ///< that describes the study
+    std::string                 directory;
+    std::vector<StudyList>      lists;
+    bool                        is_paired = false;
+    std::vector<StudyMember>    members;
+    std::vector<StudyQuantity>  quantities;
+    std::vector<StudyReference> references; ///< one per quantity
+    /** What errors are divided by; 0: the size of the reference. */
+    std::vector<double> scales;
+    std::vector<double> tolerances; ///< of the page, descending
+    /** List whose sizes are an axis; lists.size() if there is none. */
+    unsigned int  refined_list = 0;
+    int           baseline     = -1; ///< a member to compare with; -1: none
+    unsigned int  repetitions  = 1;
+    bool          with_frames  = false;
+    ParameterFile base_scene;
 
     /** Where a repetition, counted from 0, of a member goes. */
     std::string
@@ -64,28 +96,28 @@ namespace emmy
     ParameterFile
     scene(const StudyMember &member, const unsigned int repetition) const;
 
-    /** "dt = 0.1, functions = GIMP": the values of a member. */
+    /** "dt = 0.1, functions = GIMP": the values of a member that vary. */
     std::string
     setting(const StudyMember &member) const;
+
+    /** Ranks that run a member; 0: all there are. */
+    unsigned int
+    ranks(const StudyMember &member) const;
+
+    bool
+    has_sizes() const
+    {
+      return refined_list < lists.size();
+    }
+
+    /** The list along which the members of a curve differ: the refined one,
+     * else the last. */
+    unsigned int
+    list_of_curves() const
+    {
+      return has_sizes() ? refined_list : lists.size() - 1;
+    }
   };
-
-  /**
-   * The study of a file. Throws ExcParameter or ExcRun for anything missing,
-   * unknown or contradictory in its section; what the members' scenes make of
-   * their values is not looked at.
-   *
-   * @param filename of @p file: the base scene is relative to it
-   */
-  StudyPlan
-  read_study(const ParameterFile &file, const std::string &filename);
-
-  /** All parameters of section `Study`, as @p file sets them. */
-  void
-  print_study_parameters(const ParameterFile &file, std::ostream &out);
-
-  /** A file with one list, for the reference of all parameters. */
-  ParameterFile
-  reference_study();
 } // namespace emmy
 
 #endif
