@@ -82,6 +82,21 @@ namespace emmy
   }
 
   template <int dim>
+  std::vector<double>
+  Balance<dim>::loads(const StepData<dim> &step) const
+  {
+    std::vector<double> local;
+    if (!effects.loads.empty())
+      local.resize(dim * step.start.active->n_local_nodes());
+    for (std::size_t i = 0; i < effects.loads.size(); ++i)
+      {
+        const auto timed = effect_scope(step.phases, effects.load_names[i]);
+        effects.loads[i]->add(step, local);
+      }
+    return local;
+  }
+
+  template <int dim>
   std::vector<EnergyEntry>
   Balance<dim>::energy_entries() const
   {
@@ -106,16 +121,7 @@ namespace emmy
   {
     tangent.reinit(step.start.active->sparsity());
     if (!balance.effects.loads.empty())
-      {
-        std::vector<double> local(dim * step.start.active->n_local_nodes());
-        for (std::size_t i = 0; i < balance.effects.loads.size(); ++i)
-          {
-            const std::string &effect = balance.effects.load_names[i];
-            const auto         timed  = effect_scope(step.phases, effect);
-            balance.effects.loads[i]->add(step, local);
-          }
-        step.start.active->add(local, external_force);
-      }
+      step.start.active->add(balance.loads(step), external_force);
   }
 
   template <int dim>

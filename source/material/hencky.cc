@@ -107,19 +107,20 @@ namespace emmy
   Hencky<dim>::evaluate(MaterialBatch<dim> &batch) const
   {
     const double K = bulk_modulus, G = shear_modulus;
+    const auto   b = spectral_decompositions(batch);
     for (unsigned int p = 0; p < batch.n_points; ++p)
       {
-        const auto e = principal_strain<dim>(batch.left_cauchy_green[p]);
+        const auto e = principal_strain(b[p]);
 
         std::array<double, 3> tau;
         for (unsigned int i = 0; i < 3; ++i)
           tau[i] = K * e.trace + 2. * G * e.deviator[i];
-        batch.kirchhoff_stress[p] = from_principal<dim>(e.rotation, tau);
+        batch.kirchhoff_stress[p] = from_principal(e, tau);
         batch.stored_energy[p] =
           0.5 * K * e.trace * e.trace + G * e.deviator_squared;
         if (batch.with_tangent)
           batch.spatial_tangent[p] =
-            mandel::transform<dim>(e.rotation,
+            mandel::transform<dim>(mandel::congruence<dim>(e.b.vectors),
                                    principal_tangent<dim>(e, tau, K, G));
       }
   }

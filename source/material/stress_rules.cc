@@ -4,6 +4,31 @@
 
 namespace emmy
 {
+  template <int dim>
+  unsigned int
+  update_states(const Material<dim> &material, StressBatch<dim> &batch)
+  {
+    const dealii::Tensor<2, dim> I = dealii::unit_symmetric_tensor<dim>();
+    const auto                  &elastic_old = batch.is_inelastic
+                                                 ? batch.elastic_left_cauchy_green_old
+                                                 : batch.left_cauchy_green_old;
+    batch.material.n_points                  = batch.n_points;
+    batch.material.with_tangent              = batch.with_tangent;
+    for (unsigned int p = 0; p < batch.n_points; ++p)
+      {
+        const dealii::Tensor<2, dim> F = I + batch.displacement_gradient[p];
+        // also catches NaN
+        if (!(dealii::determinant(F) > 0.))
+          return p;
+        const MandelMatrix<dim> Q           = mandel::congruence<dim>(F);
+        batch.material.left_cauchy_green[p] = Q * elastic_old[p];
+        if (batch.is_inelastic)
+          batch.left_cauchy_green[p] = Q * batch.left_cauchy_green_old[p];
+      }
+    material.evaluate(batch.material);
+    return batch.n_points;
+  }
+
   namespace
   {
     /** Below this ratio |C - C_t| / |C_t| the energy correction is dropped. */
@@ -72,7 +97,7 @@ namespace emmy
     using Steps = std::array<StepKinematics<dim>, max_batch_points>;
 
     /**
-     * What all rules share: kinematics, and the material's state at the end.
+     * What all rules share: the states at the end, and kinematics.
      * @return index of the first inverted point, n_points if there is none.
      */
     template <int dim>
@@ -81,28 +106,11 @@ namespace emmy
                  StressBatch<dim>    &batch,
                  Steps<dim>          &steps)
     {
-      const auto &elastic_old     = batch.is_inelastic
-                                      ? batch.elastic_left_cauchy_green_old
-                                      : batch.left_cauchy_green_old;
-      batch.material.n_points     = batch.n_points;
-      batch.material.with_tangent = batch.with_tangent;
-      for (unsigned int p = 0; p < batch.n_points; ++p)
-        {
-          steps[p] = step_kinematics<dim>(batch.displacement_gradient[p]);
-          // also catches NaN
-          if (!(dealii::determinant(steps[p].increment) > 0.))
-            return p;
-          batch.material.left_cauchy_green[p] =
-            mandel::congruence<dim>(steps[p].increment) * elastic_old[p];
-        }
-      if (batch.is_inelastic)
+      const unsigned int inverted = update_states(material, batch);
+      if (inverted == batch.n_points)
         for (unsigned int p = 0; p < batch.n_points; ++p)
-          batch.left_cauchy_green[p] =
-            mandel::congruence<dim>(steps[p].increment) *
-            batch.left_cauchy_green_old[p];
-
-      material.evaluate(batch.material);
-      return batch.n_points;
+          steps[p] = step_kinematics<dim>(batch.displacement_gradient[p]);
+      return inverted;
     }
 
     /** Change of psi plus dissipation of each point, J/m^3. */
@@ -303,4 +311,9 @@ namespace emmy
   stress_rule<2>(const std::string &);
   template StressRule<3>
   stress_rule<3>(const std::string &);
+
+  template unsigned int
+  update_states<2>(const Material<2> &, StressBatch<2> &);
+  template unsigned int
+  update_states<3>(const Material<3> &, StressBatch<3> &);
 } // namespace emmy

@@ -47,10 +47,11 @@ namespace emmy
   {
     const double K = constants.bulk_modulus, G = constants.shear_modulus;
     const double H = surface.hardening_modulus;
+    const auto   b = spectral_decompositions(batch);
     for (unsigned int p = 0; p < batch.n_points; ++p)
       {
-        const auto   e  = principal_strain<dim>(batch.left_cauchy_green[p]);
-        double      &xi = batch.history[0][p];
+        const auto   e             = principal_strain(b[p]);
+        double      &xi            = batch.history[0][p];
         const double deviator_norm = std::sqrt(e.deviator_squared);
         const double excess =
           2. * G * deviator_norm - (surface.radius + sqrt_two_thirds * H * xi);
@@ -71,11 +72,10 @@ namespace emmy
                 b_elastic[i] =
                   e.b.values[i] * std::exp(-2. * flow * direction[i]);
               }
-            batch.left_cauchy_green[p] =
-              from_principal<dim>(e.rotation, b_elastic);
+            batch.left_cauchy_green[p] = from_principal(e, b_elastic);
           }
         xi += sqrt_two_thirds * flow;
-        batch.kirchhoff_stress[p] = from_principal<dim>(e.rotation, tau);
+        batch.kirchhoff_stress[p] = from_principal(e, tau);
         batch.stored_energy[p] =
           0.5 * K * e.trace * e.trace + G * kept * kept * e.deviator_squared;
         batch.hardening_energy[p] = 0.5 * H * xi * xi;
@@ -91,7 +91,8 @@ namespace emmy
           for (unsigned int j = 0; j < 3; ++j)
             c[normal[i]][normal[j]] -=
               2. * G * softer * direction[i] * direction[j];
-        batch.spatial_tangent[p] = mandel::transform<dim>(e.rotation, c);
+        batch.spatial_tangent[p] =
+          mandel::transform<dim>(mandel::congruence<dim>(e.b.vectors), c);
       }
   }
 

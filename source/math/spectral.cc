@@ -1,5 +1,6 @@
 #include <emmy/math/spectral.h>
 
+#include <algorithm>
 #include <limits>
 
 namespace emmy
@@ -80,6 +81,135 @@ namespace emmy
     return result;
   }
 
+  namespace
+  {
+    /** Tensors and rotations, component by component. */
+    template <int dim>
+    struct SpectralBatch
+    {
+      using PerTensor = double[max_spectral_batch];
+
+      PerTensor A[dim][dim]; ///< A[p][q] with p <= q
+      PerTensor V[dim][dim];
+      /** 1: not yet diagonal, 0: done. */
+      PerTensor open;
+
+      /** One Jacobi rotation of all that are open, as rotate() does it. */
+      void
+      rotate(const unsigned int p, const unsigned int q, const unsigned int n)
+      {
+        PerTensor c, s;
+        for (unsigned int k = 0; k < n; ++k)
+          {
+            const double apq   = A[p][q][k];
+            const bool   is_on = open[k] * apq != 0.;
+            const double half  = 0.5 * (A[q][q][k] - A[p][p][k]);
+            const double root  = std::sqrt(half * half + apq * apq);
+            const double sum = half + root, difference = half - root;
+            const double denominator = half >= 0. ? sum : difference;
+            const double t = is_on ? apq / (is_on ? denominator : 1.) : 0.;
+            c[k]           = 1. / std::sqrt(1. + t * t);
+            s[k]           = t * c[k];
+            A[p][p][k] -= t * apq;
+            A[q][q][k] += t * apq;
+            A[p][q][k] = is_on ? 0. : apq;
+          }
+        for (unsigned int r = 0; r < dim; ++r)
+          {
+            if (r != p && r != q)
+              turn(A[std::min(r, p)][std::max(r, p)],
+                   A[std::min(r, q)][std::max(r, q)],
+                   c,
+                   s,
+                   n);
+            turn(V[r][p], V[r][q], c, s, n);
+          }
+      }
+
+      static void
+      turn(PerTensor          x,
+           PerTensor          y,
+           const PerTensor    c,
+           const PerTensor    s,
+           const unsigned int n)
+      {
+        for (unsigned int k = 0; k < n; ++k)
+          {
+            const double xk = x[k], yk = y[k];
+            x[k] = c[k] * xk - s[k] * yk;
+            y[k] = s[k] * xk + c[k] * yk;
+          }
+      }
+
+      /** Find out which are not yet diagonal. @return whether any is. */
+      bool
+      find_open(const unsigned int n)
+      {
+        double any = 0.;
+        for (unsigned int k = 0; k < n; ++k)
+          {
+            double off = 0., diagonal = 0.;
+            if constexpr (dim == 3)
+              {
+                off = A[0][1][k] * A[0][1][k] + A[0][2][k] * A[0][2][k] +
+                      A[1][2][k] * A[1][2][k];
+                diagonal = A[0][0][k] * A[0][0][k] + A[1][1][k] * A[1][1][k] +
+                           A[2][2][k] * A[2][2][k];
+              }
+            constexpr double epsilon = std::numeric_limits<double>::epsilon();
+            open[k] = off <= 1e-4 * epsilon * epsilon * diagonal ? 0. : 1.;
+            any += open[k];
+          }
+        return any > 0.;
+      }
+    };
+  } // namespace
+
+  template <int dim>
+  void
+  spectral_decompositions(const MandelVector<dim>    *a,
+                          const unsigned int          n,
+                          SpectralDecomposition<dim> *result)
+  {
+    SpectralBatch<dim> batch;
+    for (unsigned int k = 0; k < n; ++k)
+      {
+        const dealii::Tensor<2, dim> A = mandel::block<dim>(a[k]);
+        for (unsigned int p = 0; p < dim; ++p)
+          for (unsigned int q = 0; q < dim; ++q)
+            {
+              batch.A[p][q][k] = A[p][q];
+              batch.V[p][q][k] = p == q ? 1. : 0.;
+            }
+        batch.open[k] = 1.;
+      }
+    if constexpr (dim == 2)
+      batch.rotate(0, 1, n);
+    else
+      for (unsigned int sweep = 0; sweep < 30 && batch.find_open(n); ++sweep)
+        {
+          batch.rotate(0, 1, n);
+          batch.rotate(0, 2, n);
+          batch.rotate(1, 2, n);
+        }
+    for (unsigned int k = 0; k < n; ++k)
+      {
+        for (unsigned int d = 0; d < 3; ++d)
+          result[k].values[d] = d < dim ? batch.A[d][d][k] : a[k][3];
+        for (unsigned int p = 0; p < dim; ++p)
+          for (unsigned int q = 0; q < dim; ++q)
+            result[k].vectors[p][q] = batch.V[p][q][k];
+      }
+  }
+
+  template void
+  spectral_decompositions<2>(const MandelVector<2> *,
+                             const unsigned int,
+                             SpectralDecomposition<2> *);
+  template void
+  spectral_decompositions<3>(const MandelVector<3> *,
+                             const unsigned int,
+                             SpectralDecomposition<3> *);
   template SpectralDecomposition<2>
   spectral_decomposition<2>(const MandelVector<2> &);
   template SpectralDecomposition<3>

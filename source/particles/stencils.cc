@@ -72,12 +72,17 @@ namespace emmy
         auto       particle = run.first;
         for (unsigned int i = 0; i < run.n_particles; ++i)
           stencils.particles.push_back(particle++);
-        std::sort(stencils.particles.begin() + first,
-                  stencils.particles.end(),
-                  [&](const auto &a, const auto &b) {
-                    return std::make_pair(body_of(a), a->get_id()) <
-                           std::make_pair(body_of(b), b->get_id());
-                  });
+        // most often they are in order already
+        const auto is_before = [&](const auto &a, const auto &b) {
+          return std::make_pair(body_of(a), a->get_id()) <
+                 std::make_pair(body_of(b), b->get_id());
+        };
+        if (!std::is_sorted(stencils.particles.begin() + first,
+                            stencils.particles.end(),
+                            is_before))
+          std::sort(stencils.particles.begin() + first,
+                    stencils.particles.end(),
+                    is_before);
 
         for (auto p = first; p < stencils.particles.size();)
           {

@@ -66,54 +66,6 @@ namespace emmy
             }
         }
     }
-
-    template <int dim>
-    void
-    add_mapping_losses(const StepData<dim> &step,
-                       const FieldLayout   &layout,
-                       const PointMapping  &mapping,
-                       const Vector        &velocity_new,
-                       StepAccounts        &result)
-    {
-      const GridStart<dim> &start = step.start;
-      const auto            v_new = start.active->to_local(velocity_new);
-      const auto    v_mapped = start.active->to_local(start.mapped_velocity);
-      const double *mass     = step.points.component(layout["mass"]);
-      const unsigned int velocity = layout["velocity"];
-      const double       alpha    = mapping.flip_fraction;
-
-      double lumping = 0., pic = 0.;
-      for (const auto &group : step.stencils.groups)
-        for (unsigned int q = 0; q < group.n_points; ++q)
-          {
-            const std::size_t      p = group.first_point + q;
-            dealii::Tensor<1, dim> change, w, d;
-            double                 mean_square = 0.;
-            for (unsigned int c = 0; c < dim; ++c)
-              d[c] = step.points.component(velocity + c)[p];
-            for (unsigned int a = 0; a < group.n_nodes; ++a)
-              {
-                const double       S    = step.stencils.value(group, a)[q];
-                const unsigned int node = start.active->nodes(group)[a];
-                for (unsigned int c = 0; c < dim; ++c)
-                  {
-                    const double v0 = v_mapped[dim * node + c],
-                                 v1 = v_new[dim * node + c];
-                    change[c] += S * (v1 - v0);
-                    mean_square += S * (v1 - v0) * (v1 - v0);
-                    w[c] += S * v1;
-                    d[c] -= S * v0;
-                  }
-              }
-            lumping += mass[p] * (mean_square - change.norm_square());
-            pic += mass[p] * (w * d + 0.5 * (1. + alpha) * d.norm_square());
-          }
-      const MPI_Comm communicator = start.active->communicator();
-      result.lumping_loss         = 0.5 * mapping.lumping *
-                            dealii::Utilities::MPI::sum(lumping, communicator);
-      result.mapping_loss =
-        (1. - alpha) * dealii::Utilities::MPI::sum(pic, communicator);
-    }
   } // namespace
 
   std::vector<EffectCard>
@@ -183,6 +135,53 @@ namespace emmy
   }
 
   template <int dim>
+  void
+  add_mapping_losses(const StepData<dim>       &step,
+                     const FieldLayout         &layout,
+                     const PointMapping        &mapping,
+                     const std::vector<double> &v_mapped,
+                     const std::vector<double> &v_new,
+                     StepAccounts              &result)
+  {
+    const GridStart<dim> &start    = step.start;
+    const double         *mass     = step.points.component(layout["mass"]);
+    const unsigned int    velocity = layout["velocity"];
+    const double          alpha    = mapping.flip_fraction;
+
+    double lumping = 0., pic = 0.;
+    for (const auto &group : step.stencils.groups)
+      for (unsigned int q = 0; q < group.n_points; ++q)
+        {
+          const std::size_t      p = group.first_point + q;
+          dealii::Tensor<1, dim> change, w, d;
+          double                 mean_square = 0.;
+          for (unsigned int c = 0; c < dim; ++c)
+            d[c] = step.points.component(velocity + c)[p];
+          for (unsigned int a = 0; a < group.n_nodes; ++a)
+            {
+              const double       S    = step.stencils.value(group, a)[q];
+              const unsigned int node = start.active->nodes(group)[a];
+              for (unsigned int c = 0; c < dim; ++c)
+                {
+                  const double v0 = v_mapped[dim * node + c],
+                               v1 = v_new[dim * node + c];
+                  change[c] += S * (v1 - v0);
+                  mean_square += S * (v1 - v0) * (v1 - v0);
+                  w[c] += S * v1;
+                  d[c] -= S * v0;
+                }
+            }
+          lumping += mass[p] * (mean_square - change.norm_square());
+          pic += mass[p] * (w * d + 0.5 * (1. + alpha) * d.norm_square());
+        }
+    const MPI_Comm communicator = start.active->communicator();
+    result.lumping_loss         = 0.5 * mapping.lumping *
+                          dealii::Utilities::MPI::sum(lumping, communicator);
+    result.mapping_loss =
+      (1. - alpha) * dealii::Utilities::MPI::sum(pic, communicator);
+  }
+
+  template <int dim>
   StepAccounts
   accounts(const StepData<dim>     &step,
            const StepEquation<dim> &equation,
@@ -201,7 +200,13 @@ namespace emmy
           effect_scope(step.phases,
                        mapping.flip_fraction < 1. ? pic_effect
                                                   : lumping_effect);
-        add_mapping_losses(step, layout, mapping, velocity_new, result);
+        const ActiveGrid<dim> &active = *step.start.active;
+        add_mapping_losses(step,
+                           layout,
+                           mapping,
+                           active.to_local(step.start.mapped_velocity),
+                           active.to_local(velocity_new),
+                           result);
       }
     if (step.start.ghost_matrices[0].m() > 0)
       {
@@ -216,6 +221,16 @@ namespace emmy
     return result;
   }
 
+#define INSTANTIATE(dim)                                             \
+  template void add_mapping_losses<dim>(const StepData<dim> &,       \
+                                        const FieldLayout &,         \
+                                        const PointMapping &,        \
+                                        const std::vector<double> &, \
+                                        const std::vector<double> &, \
+                                        StepAccounts &);
+  INSTANTIATE(2)
+  INSTANTIATE(3)
+#undef INSTANTIATE
   template StepAccounts
   accounts<2>(const StepData<2> &,
               const StepEquation<2> &,

@@ -22,6 +22,24 @@ namespace emmy
                   "Required, positive.",
                   prm,
                   Double());
+    add_parameter("Integrator",
+                  integrator,
+                  "implicit: Newton, no limit on the step but accuracy. "
+                  "explicit: lumped mass, symplectic Euler, stress updated "
+                  "last; for comparison. Cheap steps, which are stable only "
+                  "for a Factor below about 1 (the Courant number) and are "
+                  "never halved; GIMP is more robust than linear.",
+                  prm,
+                  dealii::Patterns::Selection("implicit|explicit"));
+    add_parameter("Stress update",
+                  stress_update,
+                  "Of explicit steps: what strains the particles at the end of "
+                  "the step. modified: the velocities that they have then, "
+                  "mapped to the grid again. plain: the velocities of the "
+                  "grid, which are wild where a node has little mass: it "
+                  "fails when particles enter new cells.",
+                  prm,
+                  dealii::Patterns::Selection("modified|plain"));
     add_parameter("Step rule",
                   step_rule,
                   "fixed: <Step size>. wave: time of a P-wave through a cell "

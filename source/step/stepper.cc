@@ -30,6 +30,7 @@ namespace emmy
                         method.balance.ghost_faces(),
                         method.balance.aggregation(),
                         &phases)
+    , domains(method.domain_update, grid, layout, phases)
   {}
 
   template <int dim>
@@ -78,13 +79,13 @@ namespace emmy
   Stepper<dim>::solve(const Stencils<dim>    &stencils,
                       const PointArrays<dim> &points)
   {
-    Solution    solution;
-    std::string note;
-    solution.time_step = next_time_step(stencils, points, &note);
-    if (!note.empty() && !has_limited_travel)
+    Solution       solution;
+    const StepSize chosen = next_step_size(stencils, points);
+    solution.time_step    = chosen.time_step;
+    if (!chosen.note.empty() && !has_limited_travel)
       {
         has_limited_travel = true;
-        solution.notes.push_back(note);
+        solution.notes.push_back(where() + ": " + chosen.note);
       }
     for (unsigned int halvings = 0;; ++halvings, solution.time_step *= 0.5)
       {
@@ -272,37 +273,22 @@ namespace emmy
       "corner, Upper corner), end the run earlier (Time/End "
       "time), fix that side (Boundary conditions), or, if it moves, "
       "slow it down.");
-    if (!method.domain_update)
-      return;
-    const auto timed = phases.effect(domain_update_effect);
-    (*method.domain_update)(stencils,
-                            points,
-                            *start->active,
-                            start->active->to_local(solution.displacement),
-                            trial);
-    throw_together(grid.communicator(),
-                   where(),
-                   DomainUpdate<dim>::problem(stencils, layout, grid, trial),
-                   "the step was not accepted. Use another Method/Domain "
-                   "update (stretch does not vanish under rotation, none "
-                   "keeps the size), or more Points per direction.");
-    const std::uint64_t n_cut = DomainUpdate<dim>::n_cut(layout, grid, trial);
-    if (n_cut >= 2 * most_cut_domains && n_cut > 0)
-      {
-        most_cut_domains = n_cut;
-        solution.notes.push_back(
-          where() + ": domains of " + std::to_string(n_cut) +
-          " particles are longer than two cells and act as if cut at that "
-          "size; more Points per direction or larger cells avoid it");
-      }
+    const std::string note =
+      domains.follow(stencils,
+                     points,
+                     *start->active,
+                     start->active->to_local(solution.displacement),
+                     where(),
+                     trial);
+    if (!note.empty())
+      solution.notes.push_back(note);
   }
 
   template <int dim>
   std::string
   Stepper<dim>::where() const
   {
-    return "Step " + std::to_string(step_number + 1) +
-           " from t = " + brief(time) + " s";
+    return step_name(step_number + 1, time);
   }
 
   template <int dim>
@@ -317,30 +303,12 @@ namespace emmy
   }
 
   template <int dim>
-  double
-  Stepper<dim>::next_time_step(const Stencils<dim>    &stencils,
-                               const PointArrays<dim> &points,
-                               std::string            *note) const
+  StepSize
+  Stepper<dim>::next_step_size(const Stencils<dim>    &stencils,
+                               const PointArrays<dim> &points) const
   {
-    double dt = method.step_rule(stencils, points, *start->active);
-    if (method.maximum_travel > 0.)
-      {
-        const double longest = time_to_travel(method.maximum_travel,
-                                              points,
-                                              layout["velocity"],
-                                              *start->active);
-        if (note && dt > longest)
-          *note = where() + ": shortened from " + brief(dt) + " to " +
-                  brief(longest) +
-                  " s, and later ones as they need it, so that no " +
-                  "particle moves more than Time/Maximum travel = " +
-                  brief(method.maximum_travel) +
-                  " cells: bodies could pass "
-                  "through one another";
-        dt = std::min(dt, longest);
-      }
-    const double time_left = limits.end_time - time;
-    return limits.shorten_last_step && dt > time_left ? time_left : dt;
+    return choose_step_size(
+      method, limits, layout, stencils, points, *start->active, time);
   }
 
   template <int dim>
@@ -392,7 +360,7 @@ namespace emmy
     start                         = &particles_to_grid(stencils, points);
 
     StepReport result;
-    result.time_step = next_time_step(stencils, points, nullptr);
+    result.time_step = next_step_size(stencils, points).time_step;
     result.totals    = measure(points, layout, grid.communicator());
     result.energies  = method.balance.energy_entries();
     for (const EnergyEntry &entry : account_entries(StepAccounts()))
@@ -481,6 +449,21 @@ namespace emmy
   Stepper<dim>::grid_velocity() const
   {
     return velocity;
+  }
+
+  template <int dim>
+  std::vector<double>
+  Stepper<dim>::nodal_mass() const
+  {
+    // row sums of the mass matrix
+    Vector ones = start->active->make_vector(), sums = ones;
+    ones = 1.;
+    start->mass.vmult(sums, ones);
+    const std::vector<double> local = start->active->to_local(sums);
+    std::vector<double>       result(start->active->n_local_nodes());
+    for (unsigned int node = 0; node < result.size(); ++node)
+      result[node] = local[dim * node];
+    return result;
   }
 
   template <int dim>

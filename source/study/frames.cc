@@ -155,23 +155,17 @@ namespace emmy
   void
   Frames<dim>::write_grid(const double time)
   {
-    const GridStart<dim>  &start        = scene.stepper.grid_start();
+    const GridStart<dim>  &start        = scene.stepper->grid_start();
     const ActiveGrid<dim> &active       = *start.active;
     const auto             old_velocity = active.to_local(start.velocity);
-    const auto new_velocity = active.to_local(scene.stepper.grid_velocity());
-    const auto mass         = active.to_local([&] {
-      // row sums of the mass matrix: the lumped mass of each node
-      Vector ones = active.make_vector(), sums = active.make_vector();
-      ones = 1.;
-      start.mass.vmult(sums, ones);
-      return sums;
-    }());
+    const auto new_velocity = active.to_local(scene.stepper->grid_velocity());
+    const auto mass         = scene.stepper->nodal_mass();
 
     std::vector<FieldDescription> fields{
       {"velocity_old", dim, "m/s", "velocity at the start of the step"},
       {"velocity_new", dim, "m/s", "velocity at the end of the step"},
       {"mass", 1, "kg", "nodal mass, sum of S m"}};
-    const StepDiagnosis<dim> *diagnosis = scene.stepper.diagnosis();
+    const StepDiagnosis<dim> *diagnosis = scene.stepper->diagnosis();
     if (diagnosis)
       for (const std::string name : {"mass", "jacobian"})
         fields.push_back({name + "_weakness",
@@ -195,7 +189,7 @@ namespace emmy
               values.push_back(old_velocity[dim * node + c]);
             for (unsigned int c = 0; c < dim; ++c)
               values.push_back(new_velocity[dim * node + c]);
-            values.push_back(mass[dim * node]);
+            values.push_back(mass[node]);
             if (diagnosis)
               values.insert(values.end(),
                             {diagnosis->mass.weakness[node],

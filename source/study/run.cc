@@ -225,7 +225,7 @@ namespace emmy
       progress.note(warning);
 
     std::ostringstream tail;
-    tail << "linear solver " << scene.stepper.solver_name() << '\n';
+    tail << "linear solver " << scene.stepper->solver_name() << '\n';
     summarise(tail, ledger, initial, course);
     std::vector<EffectCard> present;
     for (const CountedEffect &effect : card.effects)

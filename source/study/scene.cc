@@ -2,6 +2,8 @@
 #include <emmy/assembly/internal_force.h>
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/step/explicit_stepper.h>
+#include <emmy/step/stepper.h>
 #include <emmy/study/scene.h>
 #include <emmy/study/scene_card.h>
 
@@ -74,7 +76,54 @@ namespace emmy
       return result;
     }
 
-    /** Inertia, internal force, and the effects that the file names. */
+    template <int dim>
+    std::vector<std::string>
+    names_of_materials(const SceneParameters<dim>   &parameters,
+                       const std::vector<Body<dim>> &bodies)
+    {
+      std::vector<std::string> names;
+      for (const Body<dim> &body : bodies)
+        names.push_back(
+          material_effect(parameters.material_names.names[body.material]));
+      return names;
+    }
+
+    /** Null with implicit steps. */
+    template <int dim>
+    std::unique_ptr<ExplicitForce<dim>>
+    make_explicit_force(
+      const SceneParameters<dim>               &parameters,
+      const std::vector<Body<dim>>             &bodies,
+      const std::vector<const Material<dim> *> &material_of_body,
+      FieldLayout                              &layout)
+    {
+      if (!parameters.time.is_explicit())
+        return nullptr;
+      layout.set_effect(internal_force_effect);
+      return std::make_unique<ExplicitForce<dim>>(
+        material_of_body, layout, names_of_materials(parameters, bodies));
+    }
+
+    /** Explicit steps take loads, and nothing that Newton would need. */
+    template <int dim>
+    void
+    require_explicit(const std::string &effect, const Effects<dim> &effects)
+    {
+      AssertThrow(effects.terms.empty() && !effects.ghost_faces &&
+                    !effects.aggregation,
+                  ExcParameter("Time",
+                               "Integrator",
+                               "explicit",
+                               "explicit steps have no place for the effect <" +
+                                 effect +
+                                 ">. Remove it from Effects/Names, or set "
+                                 "Integrator = implicit."));
+    }
+
+    /**
+     * The effects that the file names; with implicit steps inertia and
+     * internal force too.
+     */
     template <int dim>
     Effects<dim>
     make_effects(const SceneParameters<dim>               &parameters,
@@ -82,27 +131,28 @@ namespace emmy
                  const std::vector<const Material<dim> *> &material_of_body,
                  FieldLayout                              &layout)
     {
-      std::vector<std::string> names_of_materials;
-      for (const Body<dim> &body : bodies)
-        names_of_materials.push_back(
-          material_effect(parameters.material_names.names[body.material]));
-
+      const bool   is_explicit = parameters.time.is_explicit();
       Effects<dim> effects;
       effects.material_of_body = material_of_body;
-      effects.terms.push_back(std::make_unique<Inertia<dim>>());
-      effects.name_new(Inertia<dim>::card().name);
-      layout.set_effect(internal_force_effect);
-      effects.terms.push_back(std::make_unique<InternalForce<dim>>(
-        material_of_body,
-        layout,
-        stress_rule<dim>(parameters.method.stress_rule),
-        names_of_materials));
-      effects.name_new(internal_force_effect);
+      if (!is_explicit)
+        {
+          effects.terms.push_back(std::make_unique<Inertia<dim>>());
+          effects.name_new(Inertia<dim>::card().name);
+          layout.set_effect(internal_force_effect);
+          effects.terms.push_back(std::make_unique<InternalForce<dim>>(
+            material_of_body,
+            layout,
+            stress_rule<dim>(parameters.method.stress_rule),
+            names_of_materials(parameters, bodies)));
+          effects.name_new(internal_force_effect);
+        }
       for (const std::string &name : parameters.effect_names.names)
         {
           layout.set_effect(name);
           parameters.effects.at(name)->add_to(effects, layout);
           effects.name_new(name);
+          if (is_explicit)
+            require_explicit(name, effects);
         }
       return effects;
     }
@@ -117,16 +167,60 @@ namespace emmy
         .make(layout);
     }
 
+    /** Explicit steps have a lumped mass and a stress rule of their own. */
+    template <int dim>
+    void
+    make_explicit(const SceneParameters<dim> &parameters, PointMapping &mapping)
+    {
+      const MethodParameters &method  = parameters.method;
+      const auto              require = [](const bool         condition,
+                              const std::string &section,
+                              const std::string &entry,
+                              const std::string &value,
+                              const std::string &advice) {
+        AssertThrow(condition,
+                    ExcParameter(section,
+                                 entry,
+                                 value,
+                                 "with Time/Integrator = explicit " + advice));
+      };
+      require(mapping.lumping == 0. || mapping.lumping == 1.,
+              method.path(),
+              "Lumping",
+              shortest(mapping.lumping),
+              "the mass is always lumped. Remove it, or set it to 1.");
+      require(method.stress_rule == "conserving",
+              method.path(),
+              "Stress rule",
+              method.stress_rule,
+              "the stress at the start of the step acts, whatever the rule. "
+              "Remove it.");
+      require(mapping.walls == PointMapping::Walls::constrained,
+              method.path(),
+              "Wall mapping",
+              method.wall_mapping,
+              "it must be <constrained>.");
+      require(!parameters.diagnosis.small_cuts,
+              parameters.diagnosis.path(),
+              "Small cuts",
+              "true",
+              "there is no matrix to diagnose. Set it to false.");
+      mapping.lumping = 1.;
+    }
+
     /** Without walls there is no choice of what the map does at them. */
     template <int dim>
     PointMapping
-    make_mapping(const MethodParameters        &method,
+    make_mapping(const SceneParameters<dim>    &parameters,
                  const BoundaryConditions<dim> &boundary_conditions,
                  const Balance<dim>            &balance)
     {
-      PointMapping mapping = method.make_mapping();
+      const MethodParameters &method  = parameters.method;
+      PointMapping            mapping = method.make_mapping();
       if (!boundary_conditions.has_walls())
         mapping.walls = PointMapping::Walls::constrained;
+      if (parameters.time.is_explicit())
+        make_explicit(parameters, mapping);
       AssertThrow(!balance.aggregation() ||
                     mapping.walls == PointMapping::Walls::constrained,
                   ExcParameter(method.path(),
@@ -162,26 +256,14 @@ namespace emmy
     , bodies(make_bodies(parameters, materials))
     , material_of_body(materials_of(bodies, materials))
     , layout(basic_fields(dim))
+    , explicit_force(
+        make_explicit_force(parameters, bodies, material_of_body, layout))
     , balance(make_effects(parameters, bodies, material_of_body, layout))
     , shape_functions(make_shape_functions<dim>(parameters.method, layout))
     , domain_update(make_updates(parameters.method, bodies, grid, layout))
-    , mapping(make_mapping(parameters.method, boundary_conditions, balance))
+    , mapping(make_mapping(parameters, boundary_conditions, balance))
     , step_rule(make_step_rule(parameters.time, grid, material_of_body, layout))
-    , stepper(grid,
-              boundary_conditions,
-              layout,
-              StepMethod<dim>{*shape_functions,
-                              domain_update.get(),
-                              mapping,
-                              *step_rule,
-                              bodies.size() > 1 ? parameters.time.maximum_travel
-                                                : 0.,
-                              balance,
-                              parameters.diagnosis},
-              parameters.solver,
-              parameters.time,
-              particles,
-              phases)
+    , stepper(make_stepper(parameters))
     , parameters(parameters)
   {
     const auto scope = phases.scope("setup");
@@ -200,7 +282,7 @@ namespace emmy
   StepReport
   Scene<dim>::initial_report()
   {
-    StepReport report = stepper.initial_report();
+    StepReport report = stepper->initial_report();
     measure(report);
     return report;
   }
@@ -209,7 +291,7 @@ namespace emmy
   StepReport
   Scene<dim>::advance()
   {
-    StepReport report = stepper.advance();
+    StepReport report = stepper->advance();
     measure(report);
     return report;
   }
@@ -227,6 +309,38 @@ namespace emmy
         for (const StepMeasure &value : measurement->measure(particles))
           report.measures.push_back(value);
       }
+  }
+
+  template <int dim>
+  std::unique_ptr<TimeIntegrator<dim>>
+  Scene<dim>::make_stepper(const SceneParameters<dim> &parameters)
+  {
+    const StepMethod<dim> method{*shape_functions,
+                                 domain_update.get(),
+                                 mapping,
+                                 *step_rule,
+                                 bodies.size() > 1
+                                   ? parameters.time.maximum_travel
+                                   : 0.,
+                                 balance,
+                                 parameters.diagnosis};
+    if (explicit_force)
+      return std::make_unique<ExplicitStepper<dim>>(grid,
+                                                    boundary_conditions,
+                                                    layout,
+                                                    method,
+                                                    *explicit_force,
+                                                    parameters.time,
+                                                    particles,
+                                                    phases);
+    return std::make_unique<Stepper<dim>>(grid,
+                                          boundary_conditions,
+                                          layout,
+                                          method,
+                                          parameters.solver,
+                                          parameters.time,
+                                          particles,
+                                          phases);
   }
 
   template <int dim>
@@ -284,7 +398,10 @@ namespace emmy
                          ? " (domains: " + method.domain_update + ")"
                          : std::string())
                    << ", " << method.mapping << ", lumping " << mapping.lumping
-                   << ", " << method.stress_rule << " stress";
+                   << ", "
+                   << (explicit_force
+                         ? "explicit steps with the stress at their start"
+                         : method.stress_rule + " stress");
     if (boundary_conditions.has_walls())
       out << ", " << method.wall_mapping << " walls";
     out << '\n';

@@ -2,6 +2,7 @@
 #include <emmy/assembly/internal_force.h>
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/step/explicit_stepper.h>
 #include <emmy/study/scene_card.h>
 
 #include <algorithm>
@@ -35,9 +36,11 @@ namespace emmy
         , named(parameters.effect_names.names)
       {
         card.nonzeros =
-          scene.stepper.grid_start().active->sparsity().n_nonzero_elements();
+          scene.stepper->grid_start().active->sparsity().n_nonzero_elements();
         card.n_matrices =
-          scene.mapping.walls == PointMapping::Walls::constrained ? 3 : 4;
+          scene.explicit_force                                      ? 0
+          : scene.mapping.walls == PointMapping::Walls::constrained ? 3
+                                                                    : 4;
         card.n_points = dealii::Utilities::MPI::sum(static_cast<std::uint64_t>(
                                                       points.n_points()),
                                                     scene.grid.communicator());
@@ -61,10 +64,14 @@ namespace emmy
       SceneCard
       count()
       {
-        add(Inertia<dim>::card());
-        add(InternalForce<dim>::card());
+        const bool is_explicit = scene.explicit_force != nullptr;
+        if (!is_explicit)
+          add(Inertia<dim>::card());
+        add(is_explicit ? ExplicitForce<dim>::card()
+                        : InternalForce<dim>::card());
         add_materials();
         add(stress_rule_card(parameters.method.stress_rule));
+        add(explicit_card(is_explicit));
         add_shape_functions();
         for (const auto &entry : effect_library<dim>().list())
           {
@@ -132,16 +139,19 @@ namespace emmy
             used.push_back(model);
             EffectCard effect = entry.card;
             effect.fields     = scene.materials[m]->history();
-            effect            = InternalForce<dim>::with_history(effect);
-            effect.name   = material_effect(parameters.material_names.names[m]);
-            effect.enters = "Newton, internal force: " + model;
+            effect            = StressStates<dim>::with_history(effect);
+            effect.name = material_effect(parameters.material_names.names[m]);
+            effect.enters =
+              (scene.explicit_force ? "motion and stress: "
+                                    : "Newton, internal force: ") +
+              model;
             effect.is_present = true;
             add(effect);
           }
         for (const auto &entry : material_library<dim>().list())
           if (!contains(used, entry.name))
             {
-              EffectCard effect = InternalForce<dim>::with_history(entry.card);
+              EffectCard effect = StressStates<dim>::with_history(entry.card);
               effect.name       = entry.name;
               effect.setting    = "Materials/NAME/Model = " + entry.name;
               effect.enters     = "Newton, internal force";
@@ -258,7 +268,10 @@ namespace emmy
                                faces,
                                aggregates,
                                scene.grid,
-                               scene.boundary_conditions)
+                               scene.boundary_conditions,
+                               scene.explicit_force
+                                 ? ActiveGrid<dim>::Matrices::none
+                                 : ActiveGrid<dim>::Matrices::wanted)
           .sparsity()
           .n_nonzero_elements();
       }

@@ -60,7 +60,8 @@ namespace emmy
     const std::vector<GhostFace<dim>> &faces,
     const Aggregates<dim>             &aggregates,
     const BackgroundGrid<dim>         &grid,
-    const BoundaryConditions<dim>     &boundary_conditions)
+    const BoundaryConditions<dim>     &boundary_conditions,
+    const Matrices                     matrices)
     : grid(grid)
     , grid_nodes(grid.nodes())
     , active_cells(stencils.active_cells)
@@ -71,7 +72,8 @@ namespace emmy
     const bool has_followers = aggregates.n_followers > 0;
     number_nodes(stencils, has_followers);
     make_constraints(boundary_conditions, has_followers);
-    make_sparsity(stencils);
+    if (matrices == Matrices::wanted)
+      make_sparsity(stencils);
   }
 
   template <int dim>
@@ -363,6 +365,31 @@ namespace emmy
     values.compress(dealii::VectorOperation::add);
     for (unsigned int i = 0; i < values.locally_owned_size(); ++i)
       local[i] = values.local_element(i);
+  }
+
+  template <int dim>
+  void
+  ActiveGrid<dim>::share(std::vector<double> &local) const
+  {
+    if (dealii::Utilities::MPI::n_mpi_processes(communicator()) == 1)
+      return; // all is local
+    Exchange values(local.size() == n_local_nodes() ? node_partition
+                                                    : dof_partition);
+    for (unsigned int i = 0; i < local.size(); ++i)
+      values.local_element(i) = local[i];
+    values.compress(dealii::VectorOperation::add);
+    values.update_ghost_values();
+    for (unsigned int i = 0; i < local.size(); ++i)
+      local[i] = values.local_element(i);
+  }
+
+  template <int dim>
+  Vector
+  ActiveGrid<dim>::to_vector(const std::vector<double> &local) const
+  {
+    Vector result = make_vector();
+    std::copy_n(local.begin(), dim * n_owned_nodes(), result.begin());
+    return result;
   }
 
   template class ActiveGrid<2>;

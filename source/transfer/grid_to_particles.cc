@@ -22,10 +22,30 @@ namespace emmy
     // v_p <- alpha v_p + sum S (v_new - alpha v_mapped)
     Vector velocity_change = velocity_new;
     velocity_change.add(-flip_fraction, start.mapped_velocity);
-    const ActiveGrid<dim>    &active   = *start.active;
-    const std::vector<double> u        = active.to_local(displacement);
-    const std::vector<double> dv       = active.to_local(velocity_change);
-    const unsigned int        velocity = layout["velocity"];
+    return move_points(stencils,
+                       points,
+                       *start.active,
+                       grid,
+                       layout,
+                       flip_fraction,
+                       start.active->to_local(displacement),
+                       start.active->to_local(velocity_change),
+                       trial);
+  }
+
+  template <int dim>
+  std::string
+  move_points(const Stencils<dim>       &stencils,
+              const PointArrays<dim>    &points,
+              const ActiveGrid<dim>     &active,
+              const BackgroundGrid<dim> &grid,
+              const FieldLayout         &layout,
+              const double               flip_fraction,
+              const std::vector<double> &displacement,
+              const std::vector<double> &velocity_change,
+              PointArrays<dim>          &trial)
+  {
+    const unsigned int velocity = layout["velocity"];
 
     for (const auto &group : stencils.groups)
       for (unsigned int c = 0; c < dim; ++c)
@@ -44,8 +64,8 @@ namespace emmy
           for (unsigned int a = 0; a < group.n_nodes; ++a)
             {
               const double *S       = stencils.value(group, a);
-              const double  node_u  = u[dim * nodes[a] + c];
-              const double  node_dv = dv[dim * nodes[a] + c];
+              const double  node_u  = displacement[dim * nodes[a] + c];
+              const double  node_dv = velocity_change[dim * nodes[a] + c];
               for (unsigned int p = 0; p < group.n_points; ++p)
                 {
                   x[p] += S[p] * node_u;
@@ -92,6 +112,15 @@ namespace emmy
                                         const double,                \
                                         const Vector &,              \
                                         const Vector &,              \
+                                        PointArrays<dim> &);         \
+  template std::string move_points<dim>(const Stencils<dim> &,       \
+                                        const PointArrays<dim> &,    \
+                                        const ActiveGrid<dim> &,     \
+                                        const BackgroundGrid<dim> &, \
+                                        const FieldLayout &,         \
+                                        const double,                \
+                                        const std::vector<double> &, \
+                                        const std::vector<double> &, \
                                         PointArrays<dim> &);         \
   template void        grid_to_particles<dim>(                       \
     const Stencils<dim> &,                                    \

@@ -145,16 +145,22 @@ namespace emmy
     std::vector<dealii::Particles::ParticleIterator<dim>> leaving;
     Parcel<dim> moving(particles.n_properties_per_particle());
     bool        fits = true;
-    for (auto particle = particles.begin(); particle != particles.end();
-         ++particle)
+    for (auto particle = particles.begin(); particle != particles.end();)
       {
-        const dealii::Point<dim> x = grid.clamped(particle->get_location());
-        particle->set_location(x);
-        if (grid.is_in_cell(grid.lattice(particle->get_surrounding_cell()), x))
-          continue;
-        leaving.push_back(particle);
-        moving.add(grid.lattice(x), *particle);
-        fits = fits && grid.window().has_surroundings_of(grid.lattice(x));
+        const auto         cell  = particle->get_surrounding_cell();
+        const Lattice<dim> place = grid.lattice(cell);
+        for (; particle != particles.end() &&
+               particle->get_surrounding_cell() == cell;
+             ++particle)
+          {
+            const dealii::Point<dim> x = grid.clamped(particle->get_location());
+            particle->set_location(x);
+            if (grid.is_in_cell(place, x))
+              continue;
+            leaving.push_back(particle);
+            moving.add(grid.lattice(x), *particle);
+            fits = fits && grid.window().has_surroundings_of(grid.lattice(x));
+          }
       }
     particles.remove_particles(leaving);
     if (dealii::Utilities::MPI::min(fits ? 1 : 0, grid.communicator()) == 0)

@@ -77,9 +77,10 @@ namespace
       result.fields.push_back(field.name + " at " +
                               std::to_string(field.offset));
     run.advance(n_steps);
-    result.n_entries = run.scene.stepper.grid_start().mass.n_nonzero_elements();
-    result.columns   = run.ledger.columns();
-    result.rows      = run.ledger.rows();
+    result.n_entries =
+      run.scene.stepper->grid_start().mass.n_nonzero_elements();
+    result.columns = run.ledger.columns();
+    result.rows    = run.ledger.rows();
     for (const auto &particle : run.scene.particles)
       {
         const auto properties = particle.get_properties();

@@ -114,7 +114,7 @@ check 'base: ghost faces couple all but opposite corners' \
 emmy_run --check base.prm
 check 'base: absent effects have no numbers unless asked for' has_lines 0 out '^  absent +bytes'
 check 'base: absent effects are named' \
-  says out 'absent von Mises, stress rule, GIMP, domain update, gravity, point load, ghost stabilisation, aggregation, manufactured solution, lumping, PIC, inelastic walls, unconstrained walls, moving walls, diagnosis'
+  says out 'absent von Mises, stress rule, explicit steps, GIMP, domain update, gravity, point load, ghost stabilisation, aggregation, manufactured solution, lumping, PIC, inelastic walls, unconstrained walls, moving walls, diagnosis'
 
 # agrees NAME CARD_NAME ARGUMENTS...: with the arguments the scene has the
 # effect; its card agrees with the run, and with what the scene without it says
@@ -170,6 +170,10 @@ agrees 'ghosts' 'ghost stabilisation' base.prm --set 'Effects/Names=ghost stabil
 agrees 'lumping' lumping base.prm --set 'Method/Lumping=0.5'
 agrees 'PIC' PIC base.prm --set 'Method/Mapping=PIC'
 agrees 'end-point' 'stress rule' base.prm --set 'Method/Stress rule=end-point'
+agrees 'explicit' '' base.prm --set 'Time/Integrator=explicit'
+check 'explicit: present' [ "$(of run.card 'present explicit steps' 5)" = velocity_update_loss ]
+check 'explicit: lumped' [ "$(of run.card 'present lumping' 5)" = lumping_loss ]
+check 'explicit: no matrix' [ "$(of run.card 'present all' 3)" -eq 0 ]
 agrees 'diagnosis' diagnosis base.prm --set 'Diagnosis/Small cuts=true'
 agrees 'GIMP' GIMP base.prm --set 'Method/Shape functions=GIMP'
 check 'GIMP: the update of domains was foretold too' [ \

@@ -3,6 +3,7 @@
 // a step loses no particle, two balls in space conserve what two discs do,
 // and Newton converges quadratically.
 
+#include <emmy/solve/newton.h>
 #include <emmy/step/velocity_map.h>
 
 #include "../check.h"

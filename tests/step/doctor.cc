@@ -361,7 +361,7 @@ namespace
       ParameterFile::from_text(flying_block(""), "block"));
     test::RunningScene<2> plain(plain_parameters);
     plain.advance(2);
-    test::check(!plain.scene.stepper.diagnosis(), "no diagnosis unless asked");
+    test::check(!plain.scene.stepper->diagnosis(), "no diagnosis unless asked");
 
     const SceneParameters<2> parameters(ParameterFile::from_text(
       flying_block("subsection Diagnosis\nset Small cuts = true\n"
@@ -395,8 +395,8 @@ namespace
                       1e-4,
                       "without stiffness the Jacobian is the mass");
 
-    const StepDiagnosis<2> *found   = asked.scene.stepper.diagnosis();
-    const auto             &active  = *asked.scene.stepper.grid_start().active;
+    const StepDiagnosis<2> *found   = asked.scene.stepper->diagnosis();
+    const auto             &active  = *asked.scene.stepper->grid_start().active;
     double                  largest = 0.;
     for (const double weakness : found->mass.weakness)
       largest = std::max(largest, weakness);

@@ -16,7 +16,7 @@ namespace
       file.set(assignment);
     const SceneParameters<2> parameters(file);
     Scene<2>                 scene(parameters, MPI_COMM_WORLD);
-    return scene.stepper.initial_report().time_step;
+    return scene.stepper->initial_report().time_step;
   }
 
   /** The beam of section 7.1, with the steps of eq. 57. */

@@ -2,6 +2,7 @@
 // what is lost is in the ledger, and Newton has the exact derivative.
 // Usage: test_mass_damping damped-block.prm
 #include <emmy/output/ledger.h>
+#include <emmy/solve/newton.h>
 #include <emmy/step/velocity_map.h>
 #include <emmy/study/scene.h>
 
@@ -38,7 +39,7 @@ namespace
     double       largest = 0.;
     for (unsigned int i = 0; i < n_steps; ++i)
       {
-        ledger.add(scene.stepper.advance());
+        ledger.add(scene.stepper->advance());
         largest = std::max(largest, std::abs(energy() / initial - 1.));
       }
     return largest;
@@ -50,7 +51,7 @@ namespace
     file.set("Bodies/block/Initial velocity = 0.2; -0.1");
     const SceneParameters<2> parameters(file);
     Scene<2>                 scene(parameters, MPI_COMM_WORLD);
-    Ledger                   ledger(scene.stepper.initial_report(), 2);
+    Ledger                   ledger(scene.stepper->initial_report(), 2);
     at_most(1e-12, run(scene, ledger, 8), "translation, change of energy");
 
     const double factor = (1. - rate * dt / 2.) / (1. + rate * dt / 2.);
@@ -73,7 +74,7 @@ namespace
   {
     const SceneParameters<2> parameters(file);
     Scene<2>                 scene(parameters, MPI_COMM_WORLD);
-    Ledger                   ledger(scene.stepper.initial_report(), 2);
+    Ledger                   ledger(scene.stepper->initial_report(), 2);
     const double             momentum = ledger["linear_momentum_x"];
     at_most(1e-12, run(scene, ledger, 16), "block, change of energy");
     at_most(1e-12,

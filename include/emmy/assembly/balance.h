@@ -48,7 +48,14 @@ namespace emmy
     const Aggregation<dim> *
     aggregation() const;
 
-    /** Entries of the ledger that the terms bring, all zero. */
+    /**
+     * This rank's share of the loads of a step at the local nodes, [dim * node
+     * + c], N; empty if there are no loads.
+     */
+    std::vector<double>
+    loads(const StepData<dim> &step) const;
+
+    /** Entries of the ledger that terms and loads bring, all zero. */
     std::vector<EnergyEntry>
     energy_entries() const;
 

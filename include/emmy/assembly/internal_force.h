@@ -3,24 +3,16 @@
 
 #include <deal.II/lac/full_matrix.h>
 
-#include <emmy/assembly/force_term.h>
-#include <emmy/material/stress_rules.h>
+#include <emmy/assembly/stress_states.h>
 
 namespace emmy
 {
-  /** The name of the internal force, in the table of times. */
-  constexpr const char *internal_force_effect = "internal force";
-
   /**
    * Internal force f_A = sum V0_p P_p grad S_Ap with the nominal stress P of a
    * stress rule, relative to the configuration at t (Pretti et al. 2023, eq.
    * 44; the gradients are those at the start of the step). Newton's cost is
    * here: one material call per batch of points, one small matrix per group of
    * points.
-   *
-   * Particles carry b, tau and the elastic energy; where a material of the
-   * scene has history also b^e, the history, the energy stored by hardening
-   * and the dissipation so far.
    */
   template <int dim>
   class InternalForce : public ForceTerm<dim>
@@ -41,13 +33,6 @@ namespace emmy
     static EffectCard
     card();
 
-    /**
-     * The card of a material whose fields are its history, with what the
-     * internal force keeps beside that. Without history nothing is added.
-     */
-    static EffectCard
-    with_history(EffectCard material);
-
     std::string
     add(const StepData<dim> &step,
         const Iterate<dim>  &iterate,
@@ -55,9 +40,8 @@ namespace emmy
         Matrix              *jacobian) const override;
 
     /**
-     * strain_energy; with inelastic materials hardening_energy and
-     * plastic_dissipation; stress_rule_loss of a rule that does not conserve:
-     * the work of the force that none of these shows.
+     * Those of the states, and stress_rule_loss of a rule that does not
+     * conserve: the work of the force that none of these shows.
      */
     std::vector<EnergyEntry>
     energies(const StepData<dim>    &step,
@@ -68,22 +52,6 @@ namespace emmy
 
   private:
     using Group = typename Stencils<dim>::Group;
-
-    /** First components of the fields that only inelastic scenes have. */
-    struct InelasticFields
-    {
-      unsigned int elastic_left_cauchy_green, hardening_energy_density,
-        plastic_dissipation_density;
-      /** Per body: of its material's history. */
-      std::vector<std::vector<unsigned int>> history;
-    };
-
-    /** Ask for these fields; null if no material has history. */
-    static std::unique_ptr<const InelasticFields>
-    add_inelastic_fields(
-      const std::vector<const Material<dim> *> &material_of_body,
-      const std::vector<std::string>           &names,
-      FieldLayout                              &layout);
 
     /** What add() works on and with. */
     struct Assembly
@@ -117,40 +85,13 @@ namespace emmy
              const std::vector<double> &local_displacement,
              StressBatch<dim>          &batch) const;
 
-    /** States at t of the batch that starts at point @p first. */
-    void
-    read_states(const StepData<dim> &step,
-                const std::size_t    first,
-                StressBatch<dim>    &batch) const;
-    void
-    read_inelastic_states(const StepData<dim> &step,
-                          const unsigned int   body,
-                          const std::size_t    first,
-                          StressBatch<dim>    &batch) const;
-
-    /** States at t + dt of that batch. */
-    void
-    write_states(const StressBatch<dim> &batch,
-                 const std::size_t       first,
-                 PointArrays<dim>       &trial) const;
-    void
-    write_inelastic_states(const StepData<dim>    &step,
-                           const StressBatch<dim> &batch,
-                           const unsigned int      body,
-                           const std::size_t       first,
-                           PointArrays<dim>       &trial) const;
-
     /** Work of the stress at this rank's points, sum V0 P : H, J. Collective.
      */
     double
     work(const StepData<dim> &step, const Vector &displacement) const;
 
-    const std::vector<const Material<dim> *> material_of_body;
-    const std::vector<std::string>           names; // one per body, or none
-    const StressRule<dim>                    rule;
-    const unsigned int reference_volume, left_cauchy_green, kirchhoff_stress,
-      strain_energy_density;
-    const std::unique_ptr<const InelasticFields> inelastic; // none if elastic
+    const StressRule<dim>   rule;
+    const StressStates<dim> states;
   };
 } // namespace emmy
 

@@ -1,6 +1,7 @@
 #ifndef emmy_material_principal_axes_h
 #define emmy_material_principal_axes_h
 
+#include <emmy/material/material.h>
 #include <emmy/math/spectral.h>
 
 namespace emmy
@@ -14,22 +15,32 @@ namespace emmy
   struct PrincipalStrain
   {
     SpectralDecomposition<dim> b;
-    /** Turns tensors from the principal axes to those of the scene. */
-    MandelMatrix<dim>     rotation;
-    std::array<double, 3> log_b;            ///< logarithms of b.values
-    std::array<double, 3> deviator;         ///< dev e
-    double                trace;            ///< tr e
-    double                deviator_squared; ///< |dev e|^2
+    std::array<double, 3>      log_b;            ///< logarithms of b.values
+    std::array<double, 3>      deviator;         ///< dev e
+    double                     trace;            ///< tr e
+    double                     deviator_squared; ///< |dev e|^2
   };
 
-  /** Cost: one spectral decomposition and three logarithms. */
+  /** Of the tensors b of a batch. */
+  template <int dim>
+  inline std::array<SpectralDecomposition<dim>, max_batch_points>
+  spectral_decompositions(const MaterialBatch<dim> &batch)
+  {
+    static_assert(max_batch_points <= max_spectral_batch, "");
+    std::array<SpectralDecomposition<dim>, max_batch_points> result;
+    spectral_decompositions<dim>(batch.left_cauchy_green.data(),
+                                 batch.n_points,
+                                 result.data());
+    return result;
+  }
+
+  /** Cost: three logarithms. @param b spectral decomposition of b */
   template <int dim>
   inline PrincipalStrain<dim>
-  principal_strain(const MandelVector<dim> &left_cauchy_green)
+  principal_strain(const SpectralDecomposition<dim> &b)
   {
     PrincipalStrain<dim> e;
-    e.b        = spectral_decomposition<dim>(left_cauchy_green);
-    e.rotation = mandel::congruence<dim>(e.b.vectors);
+    e.b = b;
     for (unsigned int i = 0; i < 3; ++i)
       e.log_b[i] = std::log(e.b.values[i]);
     e.trace = 0.5 * (e.log_b[0] + e.log_b[1] + e.log_b[2]);
@@ -43,17 +54,27 @@ namespace emmy
     return e;
   }
 
-  /** A tensor with these values along the principal axes. */
+  /** A tensor with these values along the principal axes of b. */
   template <int dim>
   inline MandelVector<dim>
-  from_principal(const MandelMatrix<dim>     &rotation,
+  from_principal(const PrincipalStrain<dim>  &e,
                  const std::array<double, 3> &values)
   {
-    constexpr auto    normal = mandel::normal_components<dim>();
-    MandelVector<dim> principal;
-    for (unsigned int i = 0; i < 3; ++i)
-      principal[normal[i]] = values[i];
-    return rotation * principal;
+    // the columns of mandel::congruence() of the axes that matter
+    constexpr auto    ij = mandel::pairs<dim>();
+    const auto       &V  = e.b.vectors;
+    MandelVector<dim> result;
+    for (unsigned int a = 0; a < n_in_plane<dim>; ++a)
+      {
+        const double factor = a < dim ? 1. : mandel::sqrt2;
+        double       sum    = 0.;
+        for (unsigned int c = 0; c < dim; ++c)
+          sum += factor * V[ij[a][0]][c] * V[ij[a][1]][c] * values[c];
+        result[a] = sum;
+      }
+    if constexpr (dim == 2)
+      result[3] = values[2];
+    return result;
   }
 
   /**

@@ -44,6 +44,17 @@ namespace emmy
   };
 
   /**
+   * The states of a batch at t + dt: deformation, and what the material says
+   * of it. The nominal stress is left.
+   *
+   * @return index of the first point with det(I + H) <= 0, where the batch was
+   *   left unfinished; n_points if there is none.
+   */
+  template <int dim>
+  unsigned int
+  update_states(const Material<dim> &material, StressBatch<dim> &batch);
+
+  /**
    * A rule for the stress that acts during a step, for any material. With the
    * configuration at t as the reference of the step, every rule has the form
    * @f$ P = \tfrac12 (I + \Delta F) S @f$ with a symmetric S, so that linear

@@ -61,6 +61,22 @@ namespace emmy
                   const bool          has_moving_walls,
                   const bool          has_ghost_faces);
 
+  /**
+   * Add lumping_loss and mapping_loss of a step, summed over the ranks.
+   * Collective.
+   *
+   * @param velocity_mapped,velocity_new at the local nodes, [dim * node + c],
+   *   m/s
+   */
+  template <int dim>
+  void
+  add_mapping_losses(const StepData<dim>       &step,
+                     const FieldLayout         &layout,
+                     const PointMapping        &mapping,
+                     const std::vector<double> &velocity_mapped,
+                     const std::vector<double> &velocity_new,
+                     StepAccounts              &result);
+
   /** The accounts of a solved step, summed over the ranks. Collective. */
   template <int dim>
   StepAccounts

@@ -16,6 +16,8 @@ namespace emmy
   {
   public:
     double       end_time          = 0.; // s, required
+    std::string  integrator        = "implicit";
+    std::string  stress_update     = "modified";
     std::string  step_rule         = "normalised";
     double       step_size         = 0.; // s, required by the rule `fixed`
     double       factor            = 1.;
@@ -29,6 +31,12 @@ namespace emmy
     /** Throws ExcParameter. */
     void
     validate() const;
+
+    bool
+    is_explicit() const
+    {
+      return integrator == "explicit";
+    }
   };
 
   /** Chooses the size of a step from the state at its start. */

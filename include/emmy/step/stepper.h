@@ -1,37 +1,20 @@
 #ifndef emmy_step_stepper_h
 #define emmy_step_stepper_h
 
-#include <emmy/assembly/balance.h>
-#include <emmy/assembly/step_report.h>
 #include <emmy/solve/newton.h>
 #include <emmy/step/accounts.h>
-#include <emmy/step/doctor.h>
-#include <emmy/step/step_rule.h>
-#include <emmy/transfer/domain_update.h>
+#include <emmy/step/domains_of_step.h>
+#include <emmy/step/step_size.h>
 #include <emmy/transfer/grid_to_particles.h>
 
 namespace emmy
 {
-  /** What a step is made of, as the scene chose it; borrowed. */
-  template <int dim>
-  struct StepMethod
-  {
-    const ShapeFunctions<dim> &shape_functions;
-    const DomainUpdate<dim>   *domain_update; ///< null: domains stay
-    const PointMapping        &mapping;
-    const StepRule<dim>       &step_rule;
-    /** How far a particle may move in a step, in cells; 0: no limit. */
-    const double               maximum_travel;
-    const Balance<dim>        &balance;
-    const DiagnosisParameters &diagnosis;
-  };
-
   /**
-   * Advances the particles by one step: particles -> grid -> solve ->
-   * particles. Owned by the scene; borrows all it is given.
+   * The implicit step: particles -> grid -> solve -> particles. Owned by the
+   * scene; borrows all it is given.
    */
   template <int dim>
-  class Stepper
+  class Stepper : public TimeIntegrator<dim>
   {
   public:
     Stepper(BackgroundGrid<dim>                     &grid,
@@ -43,9 +26,8 @@ namespace emmy
             dealii::Particles::ParticleHandler<dim> &particles,
             Phases                                  &phases);
 
-    /** The state before the first step, as row 0 of the ledger. Collective. */
     StepReport
-    initial_report();
+    initial_report() override;
 
     /**
      * One step. A step that does not converge leaves no trace and is tried
@@ -55,23 +37,19 @@ namespace emmy
      * step converges at no allowed size, or a particle would leave the grid.
      */
     StepReport
-    advance();
+    advance() override;
 
-    /** The linear solver in use, for the log. */
     std::string
-    solver_name() const;
-
-    /** Active nodes, mass and momentum as the last step found them. */
+    solver_name() const override;
+    /** Mass and momentum too. */
     const GridStart<dim> &
-    grid_start() const;
-
-    /** Velocity of those nodes at the end of the last step, m/s. */
+    grid_start() const override;
     const Vector &
-    grid_velocity() const;
-
-    /** What was found in the last step; null unless it was asked for. */
+    grid_velocity() const override;
+    std::vector<double>
+    nodal_mass() const override;
     const StepDiagnosis<dim> *
-    diagnosis() const;
+    diagnosis() const override;
 
   private:
     /** Call @p stage and book its time under @p phase. */
@@ -97,11 +75,9 @@ namespace emmy
     /** For the rates in the table of phases. */
     void
     count_points(const std::size_t n_points, const std::size_t n_evaluations);
-    /** @param note what shortens it, if worth a line; null: not wanted */
-    double
-    next_time_step(const Stencils<dim>    &stencils,
-                   const PointArrays<dim> &points,
-                   std::string            *note) const;
+    StepSize
+    next_step_size(const Stencils<dim>    &stencils,
+                   const PointArrays<dim> &points) const;
     void
     velocity_from_momentum(const Stencils<dim>    &stencils,
                            const PointArrays<dim> &points,
@@ -157,12 +133,12 @@ namespace emmy
     Phases                                  &phases;
 
     ParticlesToGrid<dim>          particles_to_grid;
+    DomainsOfStep<dim>            domains;
     std::unique_ptr<LinearSolver> linear_solver;
     const GridStart<dim>         *start = nullptr;
     Vector                        velocity;
     /** Null unless asked for, and before the first step. */
     std::unique_ptr<StepDiagnosis<dim>> findings;
-    std::uint64_t most_cut_domains = 0; ///< when last told
     /** Of all steps. */
     std::uint64_t most_free_starved  = 0;
     double        largest_weight     = 0.;

@@ -1,7 +1,8 @@
 #ifndef emmy_study_scene_h
 #define emmy_study_scene_h
 
-#include <emmy/step/stepper.h>
+#include <emmy/assembly/explicit_force.h>
+#include <emmy/step/time_integrator.h>
 #include <emmy/study/scene_parameters.h>
 
 #include <iosfwd>
@@ -56,20 +57,24 @@ namespace emmy
     std::vector<std::unique_ptr<Material<dim>>> materials;
     std::vector<Body<dim>>                      bodies;
     /** Borrowed from materials, one per body. */
-    std::vector<const Material<dim> *>             material_of_body;
-    FieldLayout                                    layout;
+    std::vector<const Material<dim> *> material_of_body;
+    FieldLayout                        layout;
+    /** Of explicit steps; null with implicit ones. */
+    std::unique_ptr<ExplicitForce<dim>>            explicit_force;
     Balance<dim>                                   balance;
     std::unique_ptr<ShapeFunctions<dim>>           shape_functions;
     std::unique_ptr<DomainUpdate<dim>>             domain_update; ///< GIMP only
     PointMapping                                   mapping;
     std::unique_ptr<StepRule<dim>>                 step_rule;
     dealii::Particles::ParticleHandler<dim>        particles;
-    Stepper<dim>                                   stepper;
+    std::unique_ptr<TimeIntegrator<dim>>           stepper;
     std::vector<std::unique_ptr<Measurement<dim>>> measurements;
     /** On which particles effects act, in words. */
     std::vector<std::string> notes;
 
   private:
+    std::unique_ptr<TimeIntegrator<dim>>
+    make_stepper(const SceneParameters<dim> &parameters);
     /** Add the measurements of the particles as they are. Collective. */
     void
     measure(StepReport &report);

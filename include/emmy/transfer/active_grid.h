@@ -34,6 +34,13 @@ namespace emmy
   class ActiveGrid
   {
   public:
+    /** Whether there will be matrices on this grid. */
+    enum class Matrices
+    {
+      wanted,
+      none ///< no sparsity() is made
+    };
+
     /**
      * Collective.
      * @param faces      whose nodes are to be coupled too
@@ -43,7 +50,8 @@ namespace emmy
                const std::vector<GhostFace<dim>> &faces,
                const Aggregates<dim>             &aggregates,
                const BackgroundGrid<dim>         &grid,
-               const BoundaryConditions<dim>     &boundary_conditions);
+               const BoundaryConditions<dim>     &boundary_conditions,
+               const Matrices                     matrices = Matrices::wanted);
 
     /**
      * Whether these stencils have the same groups of nodes, and faces and
@@ -126,6 +134,17 @@ namespace emmy
     void
     sum_over_ranks(std::vector<double> &local) const;
 
+    /**
+     * Sum an array over local nodes, [node] or [dim * node + c], over the
+     * ranks that share them; all entries are complete afterwards. Collective.
+     */
+    void
+    share(std::vector<double> &local) const;
+
+    /** The owned entries of such an array as a vector of unknowns. */
+    Vector
+    to_vector(const std::vector<double> &local) const;
+
     MPI_Comm
     communicator() const;
 
@@ -145,7 +164,7 @@ namespace emmy
       return conditions;
     }
 
-    /** Pattern of all matrices on this grid. */
+    /** Pattern of all matrices on this grid; empty if there are none. */
     const dealii::TrilinosWrappers::SparsityPattern &
     sparsity() const
     {

@@ -32,6 +32,22 @@ namespace emmy
               PointArrays<dim>          &trial);
 
   /**
+   * The same from arrays over local nodes, [dim * node + c].
+   * @param velocity_change v_new - alpha v_mapped, m/s
+   */
+  template <int dim>
+  std::string
+  move_points(const Stencils<dim>       &stencils,
+              const PointArrays<dim>    &points,
+              const ActiveGrid<dim>     &active,
+              const BackgroundGrid<dim> &grid,
+              const FieldLayout         &layout,
+              const double               flip_fraction,
+              const std::vector<double> &displacement,
+              const std::vector<double> &velocity_change,
+              PointArrays<dim>          &trial);
+
+  /**
    * Write accepted states to the particles and hand them to their new cells
    * and ranks. The only place where particles are written. Collective.
    * Throws ExcRun on all ranks if a particle got lost.

@@ -1,0 +1,64 @@
+#include <emmy/base/text.h>
+#include <emmy/step/step_size.h>
+
+#include <algorithm>
+
+namespace emmy
+{
+  template <int dim>
+  StepSize
+  choose_step_size(const StepMethod<dim>  &method,
+                   const TimeParameters   &limits,
+                   const FieldLayout      &layout,
+                   const Stencils<dim>    &stencils,
+                   const PointArrays<dim> &points,
+                   const ActiveGrid<dim>  &active,
+                   const double            time)
+  {
+    StepSize result{method.step_rule(stencils, points, active), ""};
+    double  &dt = result.time_step;
+    if (method.maximum_travel > 0.)
+      {
+        const double longest = time_to_travel(method.maximum_travel,
+                                              points,
+                                              layout["velocity"],
+                                              active);
+        if (dt > longest)
+          result.note = "shortened from " + brief(dt) + " to " +
+                        brief(longest) +
+                        " s, and later ones as they need it, so that no " +
+                        "particle moves more than Time/Maximum travel = " +
+                        brief(method.maximum_travel) +
+                        " cells: bodies could pass "
+                        "through one another";
+        dt = std::min(dt, longest);
+      }
+    const double time_left = limits.end_time - time;
+    if (limits.shorten_last_step && dt > time_left)
+      dt = time_left;
+    return result;
+  }
+
+  std::string
+  step_name(const unsigned int number, const double time)
+  {
+    return "Step " + std::to_string(number) + " from t = " + brief(time) + " s";
+  }
+
+  template StepSize
+  choose_step_size<2>(const StepMethod<2> &,
+                      const TimeParameters &,
+                      const FieldLayout &,
+                      const Stencils<2> &,
+                      const PointArrays<2> &,
+                      const ActiveGrid<2> &,
+                      const double);
+  template StepSize
+  choose_step_size<3>(const StepMethod<3> &,
+                      const TimeParameters &,
+                      const FieldLayout &,
+                      const Stencils<3> &,
+                      const PointArrays<3> &,
+                      const ActiveGrid<3> &,
+                      const double);
+} // namespace emmy
