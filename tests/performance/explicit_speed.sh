@@ -8,7 +8,7 @@
 #   tests/performance/explicit_speed.sh [BUILD_FOLDER] [REPETITIONS]
 #
 # The build folder (default: build) has emmy. Fails if trilinear functions with
-# 8 particles per cell and an elastic material come to less than 1e6. About two
+# 8 particles per cell and an elastic material come to less than 1e6. Four
 # minutes.
 set -eu
 
