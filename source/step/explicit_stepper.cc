@@ -264,6 +264,8 @@ namespace emmy
     result.time_step = step.time_step;
     result.time      = time + step.time_step;
     result.totals    = measure(trial, layout, grid.communicator());
+    result.measures =
+      method.balance.measures(trial, result.time, grid.communicator(), &phases);
     result.kinetic_energy_change =
       result.totals.kinetic_energy - kinetic_energy;
 
@@ -333,7 +335,9 @@ namespace emmy
       choose_step_size(
         method, limits, layout, stencils, points, *start.active, time)
         .time_step;
-    result.totals   = measure(points, layout, grid.communicator());
+    result.totals = measure(points, layout, grid.communicator());
+    result.measures =
+      method.balance.measures(points, time, grid.communicator(), &phases);
     kinetic_energy  = result.totals.kinetic_energy;
     result.energies = force.energy_entries();
     for (const EnergyEntry &entry : method.balance.energy_entries())
