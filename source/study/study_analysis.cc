@@ -88,9 +88,9 @@ namespace emmy
     for (unsigned int i = 0; i < sizes.size(); ++i)
       if (sizes[i] > 0. && errors[i] > 0.)
         points.emplace_back(std::log(sizes[i]), std::log(errors[i]));
-    std::sort(points.begin(), points.end());
+    std::sort(points.rbegin(), points.rend());
     if (points.size() < 2 || points.front().first == points.back().first)
-      return {unknown, unknown};
+      return {unknown, {}};
     double x = 0., y = 0., xx = 0., xy = 0.;
     for (const auto &[size, error] : points)
       {
@@ -102,9 +102,11 @@ namespace emmy
         xx += (size - x) * (size - x);
         xy += (size - x) * (error - y);
       }
-    return {xy / xx,
-            (points[1].second - points[0].second) /
-              (points[1].first - points[0].first)};
+    StudyOrder result{xy / xx, {}};
+    for (std::size_t i = 0; i + 1 < points.size(); ++i)
+      result.steps.push_back((points[i + 1].second - points[i].second) /
+                             (points[i + 1].first - points[i].first));
+    return result;
   }
 
 

@@ -21,7 +21,16 @@ namespace emmy
       return std::isnan(value) ? "-" : text;
     }
 
-    /** "1.23 times", for ratios. */
+    /** An order, with two decimals. */
+    std::string
+    rounded(const double value)
+    {
+      char text[32];
+      std::snprintf(text, sizeof(text), "%.2f", value);
+      return text;
+    }
+
+    /** "x 1.23", for ratios. */
     std::string
     times(const double ratio)
     {
@@ -175,7 +184,7 @@ namespace emmy
       const std::string label = plan.lists[plan.refined_list].label;
       out << "\n## Orders in " << label
           << "\n\nErrors fall like the size to this power: fitted to all "
-             "sizes, and of the two smallest.\n";
+             "sizes, and from each size to the next smaller one.\n";
       std::vector<std::string> head{"curve"};
       for (const StudyQuantity &quantity : plan.quantities)
         head.push_back(quantity.words);
@@ -191,8 +200,13 @@ namespace emmy
                   sizes.push_back(size_of(plan, m));
                   errors.push_back(table.error(m, q));
                 }
-              const StudyOrder order = fit_order(sizes, errors);
-              row.push_back(number(order.fitted) + ", " + number(order.finest));
+              const StudyOrder         order = fit_order(sizes, errors);
+              std::vector<std::string> steps;
+              for (const double step : order.steps)
+                steps.push_back(rounded(step));
+              row.push_back(steps.empty()
+                              ? "-"
+                              : rounded(order.fitted) + "; " + join(steps));
             }
           write_row(out, row);
         }

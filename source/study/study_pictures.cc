@@ -240,8 +240,6 @@ namespace emmy
       if (!is_over_size)
         plots = ", $front" + std::to_string(q) +
                 " using 1:2 with lines lc rgb '#c8c8c8' lw 5";
-      else
-        plots = guides(*least_x, *most_x, *least_y);
       for (unsigned int c = 0; c < curves.size(); ++c)
         {
           const std::string data = block + std::to_string(c);
@@ -252,6 +250,8 @@ namespace emmy
                      " using 1:2:3 with labels noenhanced left offset 1,0.4 "
                      "font ',18'";
         }
+      if (is_over_size) // behind curves: in front their range is the axis'
+        plots += guides(*least_x, *most_x, *least_y);
       script << "plot " << plots.substr(2) << '\n';
     }
 

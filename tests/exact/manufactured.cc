@@ -370,6 +370,21 @@ namespace
   }
 
   void
+  check_explicit_order(const std::string &folder)
+  {
+    std::vector<double> errors;
+    for (const char *step : {"0.0002", "0.0001"})
+      {
+        ParameterFile file = vibration(folder, "12, 12", step, "0.01");
+        file.set("Time/Integrator=explicit");
+        errors.push_back(run_to_end(file, 0.01)->ledger["displacement_error"]);
+      }
+    const double p = order(errors[0], errors[1]);
+    std::cout << "order in time, explicit " << p << '\n';
+    check(p > 0.8 && p < 1.3, "first order in time, explicit");
+  }
+
+  void
   check_order_in_space(const std::string &folder)
   {
     std::vector<double> errors;
@@ -424,6 +439,7 @@ main(int argc, char *argv[])
   std::cout << "without Sacado: body forces are not checked\n";
 #endif
   check_order_in_time(folder);
+  check_explicit_order(folder);
   check_order_in_space(folder);
   return test::report();
 }

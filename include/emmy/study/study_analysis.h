@@ -32,8 +32,8 @@ namespace emmy
   /** Order p of errors that fall like size^p. NaN: not known. */
   struct StudyOrder
   {
-    double fitted; ///< least squares of the logarithms
-    double finest; ///< of the two smallest sizes
+    double              fitted; ///< least squares of the logarithms
+    std::vector<double> steps;  ///< from each size to the next smaller one
   };
 
   /**
