@@ -373,9 +373,10 @@ namespace
   check_explicit_order(const std::string &folder)
   {
     std::vector<double> errors;
-    for (const char *step : {"0.0002", "0.0001"})
+    for (const char *step : {"0.0004", "0.0002"}) // near the limit: the error
+                                                  // of the grid is small then
       {
-        ParameterFile file = vibration(folder, "12, 12", step, "0.01");
+        ParameterFile file = vibration(folder, "24, 24", step, "0.01");
         file.set("Time/Integrator=explicit");
         errors.push_back(run_to_end(file, 0.01)->ledger["displacement_error"]);
       }
