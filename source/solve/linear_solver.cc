@@ -112,6 +112,11 @@ namespace emmy
       return result;
     }
 
+    /**
+     * LU of the matrix scaled with its diagonal from both sides. Without it a
+     * row of a node that a particle just reaches, whose diagonal is far below
+     * its other entries, would be a pivot, and digits of its neighbours lost.
+     */
     class DirectSolver : public LinearSolver
     {
     public:
@@ -121,8 +126,22 @@ namespace emmy
         LinearResult result;
         try
           {
+            scale.reinit(matrix.locally_owned_range_indices(),
+                         matrix.get_mpi_communicator());
+            for (const auto i : matrix.locally_owned_range_indices())
+              {
+                const double diagonal = std::abs(matrix.diag_element(i));
+                scale[i] = diagonal > 0. ? 1. / std::sqrt(diagonal) : 1.;
+              }
+            scale.compress(dealii::VectorOperation::insert);
+            scaled.reinit(matrix);
+            scaled.copy_from(matrix);
+            auto &entries =
+              const_cast<Epetra_CrsMatrix &>(scaled.trilinos_matrix());
+            entries.LeftScale(*scale.trilinos_vector()(0));
+            entries.RightScale(*scale.trilinos_vector()(0));
             solver = std::make_unique<TW::SolverDirect>(control);
-            solver->initialize(matrix);
+            solver->initialize(scaled);
           }
         catch (const std::exception &)
           {
@@ -137,7 +156,10 @@ namespace emmy
         LinearResult result;
         try
           {
-            solver->solve(x, b);
+            Vector scaled_b(b);
+            scaled_b.scale(scale);
+            solver->solve(x, scaled_b);
+            x.scale(scale);
           }
         catch (const std::exception &)
           {
@@ -156,6 +178,8 @@ namespace emmy
 
     private:
       dealii::SolverControl             control;
+      Matrix                            scaled;
+      Vector                            scale;
       std::unique_ptr<TW::SolverDirect> solver;
     };
 
