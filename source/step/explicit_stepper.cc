@@ -117,7 +117,14 @@ namespace emmy
     std::vector<double>    internal(dim * active.n_local_nodes());
     force.add(step, internal);
     active.share(internal);
-    std::vector<double> load = method.balance.loads(step);
+    // what acts in the middle of an implicit step acts at t here, as the stress
+    const StepData<dim> half_a_step_earlier{step.stencils,
+                                            step.points,
+                                            step.start,
+                                            step.time - 0.5 * dt,
+                                            dt,
+                                            step.phases};
+    std::vector<double> load = method.balance.loads(half_a_step_earlier);
     if (!load.empty()) // a rank without nodes shares none
       active.share(load);
     load.resize(internal.size()); // zero, if there is none

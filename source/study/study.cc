@@ -30,12 +30,15 @@ namespace emmy
       std::string problem;
       if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
         {
-          const std::string name  = fs::path(plan.file).filename().string();
+          const std::string name =
+            fs::absolute(plan.file).lexically_normal().string();
           const std::string mark  = plan.directory + "/study.txt";
           std::string       owner = name;
           std::ifstream     there(mark);
           if (there && !overwrite)
             std::getline(there, owner);
+          if (owner.empty()) // a full disk left it so
+            owner = name;
           std::error_code ignored; // then the file cannot be opened
           fs::create_directories(plan.directory, ignored);
           if (owner != name)
@@ -217,6 +220,12 @@ namespace emmy
           },
           communicator);
       }
+    throw_together(communicator,
+                   "Study",
+                   n_there == 0 ? "none of its members has run with these "
+                                  "parameters on this number of ranks"
+                                : "",
+                   "start the study, without --tolerance.");
     require_results(table, communicator);
     std::string problem;
     if (is_first)

@@ -104,8 +104,9 @@ namespace emmy
       }
     StudyOrder result{xy / xx, {}};
     for (std::size_t i = 0; i + 1 < points.size(); ++i)
-      result.steps.push_back((points[i + 1].second - points[i].second) /
-                             (points[i + 1].first - points[i].first));
+      if (points[i + 1].first < points[i].first)
+        result.steps.push_back((points[i + 1].second - points[i].second) /
+                               (points[i + 1].first - points[i].first));
     return result;
   }
 

@@ -82,11 +82,14 @@ namespace emmy
         text += ": the finest members tend to no limit: no errors are known";
       else
         text += ": against the limit " + brief(table.reference(q)) +
-                " of the finest three of the last curve, approached with "
+                " of the finest three of the last curve that are done, "
+                "approached with "
                 "order " +
                 number(table.limit_order(q));
       if (plan.scales[q] > 0.)
         text += ", over " + shortest(plan.scales[q]);
+      else if (table.reference(q) == 0.)
+        text += ", absolute, as that is zero";
       else if (plan.quantities[q].kind == StudyQuantity::Kind::path)
         text += ", root mean square over the range of that";
       else if (reference.kind != Kind::none)
@@ -156,7 +159,8 @@ namespace emmy
       if (choices.empty())
         return;
       out << "\n## What each choice costs and brings\n\nGeometric means over "
-             "all pairs of members that differ in nothing else.\n";
+             "all pairs of members that differ in nothing else; of errors over "
+             "those that are known and not zero.\n";
       std::vector<std::string> head{"list", "from", "to", "seconds"};
       for (const StudyQuantity &quantity : plan.quantities)
         head.push_back("error of " + quantity.words);

@@ -82,7 +82,8 @@ namespace emmy
                       sizes,
                       "A positive number for each value that orders and "
                       "errors are measured against, e.g. the edge of a cell. "
-                      "Empty: the values themselves, if they are numbers.");
+                      "Empty: the values themselves, or their names, if they "
+                      "are numbers.");
         add_parameter("Label",
                       label,
                       "What the sizes are, with their unit, for an axis of "
@@ -151,17 +152,20 @@ namespace emmy
                 "give one for each of the " +
                   std::to_string(result.values.size()) + " values, or none.");
         if (sizes.empty())
+          result.sizes = numbers(split(values, '|'));
+        if (sizes.empty() && result.sizes.empty())
           result.sizes = numbers(result.values);
         for (const double size : sizes)
           require(size > 0.,
                   "Sizes",
                   shortest(size),
                   "sizes must be positive.");
-        require(!result.is_ranks() ||
-                  (result.entries.size() == 1 && !result.sizes.empty()),
-                "Values",
-                values,
-                "Ranks takes numbers, e.g. 1 | 2, and stands alone.");
+        for (const auto &setting : result.settings)
+          require(!result.is_ranks() ||
+                    (setting.size() == 1 && Integer(1).match(setting.front())),
+                  "Values",
+                  values,
+                  "Ranks takes numbers, e.g. 1 | 2, and stands alone.");
         return result;
       }
     };

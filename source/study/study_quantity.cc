@@ -35,11 +35,12 @@ namespace emmy
   {
     double result = 0.;
     for (const auto &values : components)
-      {
-        const auto [lowest, highest] =
-          std::minmax_element(values.begin(), values.end());
-        result = std::max(result, *highest - *lowest);
-      }
+      if (!values.empty())
+        {
+          const auto [lowest, highest] =
+            std::minmax_element(values.begin(), values.end());
+          result = std::max(result, *highest - *lowest);
+        }
     return result;
   }
 
@@ -115,15 +116,24 @@ namespace emmy
   }
 
 
+  std::pair<std::size_t, std::size_t>
+  StudyQuantity::rows(const std::vector<double> &times) const
+  {
+    // times are sums of steps: 0.1 + 0.1 + 0.1 is in <to 0.3>
+    const double slack = 1e-9 * std::abs(times.back());
+    return {std::lower_bound(times.begin(), times.end(), from - slack) -
+              times.begin(),
+            std::upper_bound(times.begin(), times.end(), to + slack) -
+              times.begin()};
+  }
+
+
   double
   StudyQuantity::value(const LedgerHistory &ledger) const
   {
     const std::vector<double> &times  = ledger.column("time");
     const std::vector<double> &values = ledger.column(column);
-    const std::size_t          first =
-      std::lower_bound(times.begin(), times.end(), from) - times.begin();
-    const std::size_t end =
-      std::upper_bound(times.begin(), times.end(), to) - times.begin();
+    const auto [first, end]           = rows(times);
     if (first >= end)
       return std::numeric_limits<double>::quiet_NaN();
     if (kind == Kind::last)
@@ -134,8 +144,12 @@ namespace emmy
         most = row;
     if (kind == Kind::largest)
       return values[most];
-    if (most == 0 || most + 1 == times.size())
-      return times[most];
+    const auto is_below = [&](const std::size_t row) {
+      return std::abs(values[row]) <= std::abs(values[most]);
+    };
+    if (most == 0 || most + 1 == times.size() || !is_below(most - 1) ||
+        !is_below(most + 1))
+      return times[most]; // at an end of the part: no vertex
     // Newton's form of the parabola: a (t - t0) + b (t - t0)(t - t1)
     const double step_old = times[most] - times[most - 1];
     const double step_new = times[most + 1] - times[most];
@@ -160,13 +174,13 @@ namespace emmy
     const std::vector<double> &times = ledger.column("time");
     StudyPath                  result;
     result.components.resize(columns.size());
-    for (std::size_t row = 0; row < times.size(); ++row)
-      if (times[row] >= from && times[row] <= to)
-        {
-          result.times.push_back(times[row]);
-          for (unsigned int c = 0; c < columns.size(); ++c)
-            result.components[c].push_back(ledger.column(columns[c])[row]);
-        }
+    const auto [first, end] = rows(times);
+    for (std::size_t row = first; row < end; ++row)
+      {
+        result.times.push_back(times[row]);
+        for (unsigned int c = 0; c < columns.size(); ++c)
+          result.components[c].push_back(ledger.column(columns[c])[row]);
+      }
     return result;
   }
 } // namespace emmy

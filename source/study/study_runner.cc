@@ -215,10 +215,6 @@ namespace emmy
       dealii::Utilities::MPI::n_mpi_processes(communicator);
     if (n_ranks == 0 || n_ranks == n_there)
       return failure_of([&] { run_on(communicator); }, is_alone);
-    if (n_ranks > n_there)
-      return "it wants " + std::to_string(n_ranks) + " ranks, there are " +
-             std::to_string(n_there) + ": start with mpirun -np " +
-             std::to_string(n_ranks);
     // the others wait for the outcome
     const unsigned int rank =
       dealii::Utilities::MPI::this_mpi_process(communicator);
@@ -247,6 +243,13 @@ namespace emmy
     const std::string there = outcome_there(folder, wanted);
     if (there == "done")
       return {};
+    const unsigned int n_ranks = plan.ranks(member);
+    const unsigned int n_there =
+      dealii::Utilities::MPI::n_mpi_processes(communicator);
+    if (n_ranks > n_there) // may be mended by the next start
+      return "it wants " + std::to_string(n_ranks) + " ranks, there are " +
+             std::to_string(n_there) + ": start with mpirun -np " +
+             std::to_string(n_ranks);
     if (!there.empty())
       return there.substr(there.find(' ') + 1);
 
@@ -258,7 +261,7 @@ namespace emmy
       }
     forget_peak_memory();
     const double start = MPI_Wtime();
-    failure = run_scene(plan.scene(member, repetition), plan.ranks(member));
+    failure            = run_scene(plan.scene(member, repetition), n_ranks);
     seconds += MPI_Wtime() - start;
     ++n_runs;
     has_run = true;

@@ -369,20 +369,19 @@ namespace
       }
   }
 
+  /** Loads act when the stress does: else these errors are 2e-3 and 1e-3. */
   void
-  check_explicit_order(const std::string &folder)
+  check_explicit(const std::string &folder)
   {
-    std::vector<double> errors;
-    for (const char *step : {"0.0004", "0.0002"}) // near the limit: the error
-                                                  // of the grid is small then
+    for (const char *step : {"0.0004", "0.0002"})
       {
         ParameterFile file = vibration(folder, "24, 24", step, "0.01");
         file.set("Time/Integrator=explicit");
-        errors.push_back(run_to_end(file, 0.01)->ledger["displacement_error"]);
+        const double error =
+          run_to_end(file, 0.01)->ledger["displacement_error"];
+        std::cout << "explicit, step " << step << " s: error " << error << '\n';
+        check(error < 8e-4, "the error of explicit steps is that of the grid");
       }
-    const double p = order(errors[0], errors[1]);
-    std::cout << "order in time, explicit " << p << '\n';
-    check(p > 0.8 && p < 1.3, "first order in time, explicit");
   }
 
   void
@@ -440,7 +439,7 @@ main(int argc, char *argv[])
   std::cout << "without Sacado: body forces are not checked\n";
 #endif
   check_order_in_time(folder);
-  check_explicit_order(folder);
+  check_explicit(folder);
   check_order_in_space(folder);
   return test::report();
 }

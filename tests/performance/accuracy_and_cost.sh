@@ -1,8 +1,8 @@
 #!/bin/sh
 # Run the studies of prm/studies and put their tables and pictures into
 # doc/accuracy-and-cost.md, each between <!-- study NAME --> and <!-- end -->.
-# What has run is not run again: remove results/studies for fresh seconds. The
-# machine should do nothing else meanwhile. Takes about an hour.
+# What has run is not run again, even if emmy was rebuilt: remove results/studies
+# for fresh results and seconds. The machine should do nothing else meanwhile. Takes about an hour.
 #
 # Usage, in the root of the project: accuracy_and_cost.sh EMMY [NAME...]
 set -eu

@@ -208,10 +208,11 @@ refused_set 'baseline' 'use one of member-001 to member-004' 'Baseline=1'
 refused_set 'no quantity' 'write COLUMN, largest COLUMN' 'Quantities=smallest strain_energy'
 refused_set 'no time' 'write COLUMN, largest COLUMN' 'Quantities=strain_energy to end'
 refused_set 'path' 'is compared with that of a member' 'Quantities=path of strain_energy' --set 'Study/Reference=1'
+refused_set 'part of a rank' 'Ranks takes numbers' 'dt/Entries=Ranks' --set 'Study/dt/Values=1 | 1.5'
 refused_set 'number of ranks' 'Ranks takes numbers' 'dt/Entries=Ranks' --set 'Study/dt/Values=one | two'
 refused 'no tolerance' 'write a positive number behind it' study ../files/crossed.prm --tolerance fine
 refused 'tolerance of a scene' '--tolerance without a study' ../files/base.prm --tolerance 0.1
-refused 'folder of another' '<crossed> has the results of study <crossed.prm>' \
+refused 'folder of another' '<crossed> has the results of study </' \
   study ../files/paired.prm --set 'Study/Directory=crossed'
 
 echo "Errors of quantities"
@@ -281,7 +282,7 @@ succeeds tolerance
 check 'tolerance: a line for each quantity' has_lines 2 "$work/out" '_energy: mapping = .*; .* s, error '
 check 'tolerance: runs nothing' not says "$work/out" 'members that ran'
 refused 'tolerance: none meets it' 'no member meets 1e-30' study ../files/crossed.prm --tolerance 1e-30
-refused 'tolerance: nothing has run' 'no member is done' study ../files/crossed.prm --set 'Study/Directory=nothing' --tolerance 1
+refused 'tolerance: nothing has run' 'none of its members has run' study ../files/crossed.prm --set 'Study/Directory=nothing' --tolerance 1
 check 'tolerance: writes nothing' [ ! -e nothing ]
 
 echo "Two ranks"
@@ -292,6 +293,8 @@ check 'some ranks: one' [ "$(cell some member-001 ranks)" = 1 ]
 check 'some ranks: two' [ "$(cell some member-002 ranks)" = 2 ]
 check 'some ranks: too many' matches some/study.csv '^member-003,FLIP,0.125,3,.*failed: it wants 3 ranks'
 emmy_run ../files/base.prm --set 'Output/Directory=alone' --overwrite
+mkdir -p some/member-003
+check 'some ranks: too many is not remembered' [ ! -e some/member-003/member.txt ]
 check 'some ranks: one is as alone' cmp -s alone/ledger.csv some/member-001/ledger.csv
 run_on_two_ranks study ../files/paired.prm --set 'Study/Directory=two' \
   --set 'Study/mapping/Entries=Solver/Maximum iterations' --set 'Study/mapping/Values=1 | 100'

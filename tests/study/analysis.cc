@@ -91,6 +91,16 @@ namespace
                               "largest time of tip_y"})
       check(!StudyQuantity::parse(wrong, ignored),
             std::string("refused: ") + wrong);
+    check_close(quantity("time of largest tip_y from 1 to 1.5").value(run),
+                1.,
+                1e-12,
+                "at an end of the part there is no vertex");
+    check_close(quantity("tip_y to 0.3").value(ledger(20, parabola)),
+                parabola(0.3),
+                1e-14,
+                "times are compared with slack");
+    check(quantity("path of tip from 7").path(run).range() == 0.,
+          "no row, no range");
     check(quantity("path of tip").is_in(run), "a particle is there");
     check(!quantity("largest tip").is_in(run), "a particle is no column");
   }
@@ -155,6 +165,9 @@ namespace
         check_close(limit.value, 5., 1e-9, "Richardson's limit");
         check_close(limit.order, order, 1e-8, "Richardson's order");
       }
+    check(fit_order({1., 1., 0.5}, {4., 4., 1.}).steps ==
+            std::vector<double>({2.}),
+          "equal sizes have no order");
     check(std::isnan(fit_order({1., 0.5}, {1e-3, 0.}).fitted),
           "an error of zero has no order");
     check(std::isnan(

@@ -11,8 +11,8 @@ namespace emmy
    *
    * - `total_energy`: what the body has, kinetic + strain + hardening energy;
    * - `lost_energy`: what left without a physical cause since row 0, so works
-   *   less dissipation less the gain of total_energy. The sum of all columns
-   *   of losses, the work of residuals and the balance error, J;
+   *   less dissipation less the gain of total_energy. That is the sum of all
+   *   columns of losses, less residual_work and balance_error, J;
    * - `lost_share`: lost_energy over the largest total_energy of the run.
    */
   class LedgerHistory

@@ -32,8 +32,9 @@ namespace emmy
   /** Order p of errors that fall like size^p. NaN: not known. */
   struct StudyOrder
   {
-    double              fitted; ///< least squares of the logarithms
-    std::vector<double> steps;  ///< from each size to the next smaller one
+    double fitted; ///< least squares of the logarithms
+    std::vector<double>
+      steps; ///< from each size to the next smaller one that has an error
   };
 
   /**

@@ -5,6 +5,7 @@
 
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace emmy
@@ -76,6 +77,11 @@ namespace emmy
     /** The rows in its time; for a path. */
     StudyPath
     path(const LedgerHistory &ledger) const;
+
+  private:
+    /** First row in its time, and the one behind the last. */
+    std::pair<std::size_t, std::size_t>
+    rows(const std::vector<double> &times) const;
   };
 } // namespace emmy
 
