@@ -41,13 +41,13 @@ namespace emmy
   std::vector<StudyCurve>
   study_curves(const StudyPlan &plan)
   {
-    const unsigned int      along = plan.list_of_curves();
     std::vector<StudyCurve> curves;
     for (unsigned int m = 0; m < plan.members.size(); ++m)
       {
         std::vector<std::string> rest;
         for (unsigned int i = 0; i < plan.lists.size(); ++i)
-          if (i != along && !plan.is_paired && plan.lists[i].varies())
+          if (i != plan.refined_list && plan.lists[i].varies() &&
+              !(plan.is_paired && plan.has_sizes()))
             rest.push_back(plan.lists[i].name + " = " +
                            plan.members[m].values[i]);
         const std::string name = join(rest);

@@ -1,4 +1,5 @@
 #include <emmy/base/exceptions.h>
+#include <emmy/base/text.h>
 #include <emmy/output/gnuplot.h>
 #include <emmy/study/study_pictures.h>
 
@@ -38,12 +39,24 @@ namespace emmy
     std::string
     style(const StudyPlan &plan, const StudyCurve &curve)
     {
-      const unsigned int        along = plan.list_of_curves();
-      std::vector<unsigned int> choice;
+      std::vector<unsigned int> choice, n_values;
       for (unsigned int i = 0; i < plan.lists.size(); ++i)
-        if (i != along && !plan.is_paired && plan.lists[i].varies())
-          choice.push_back(position(plan, i, curve.members[0]));
+        if (i != plan.refined_list && plan.lists[i].varies() &&
+            !(plan.is_paired && plan.has_sizes()))
+          {
+            choice.push_back(position(plan, i, curve.members[0]));
+            n_values.push_back(plan.lists[i].values.size());
+          }
       choice.resize(std::max<std::size_t>(choice.size(), 1), 0);
+      if (!plan.has_sizes() && choice.size() > 2)
+        {
+          // single points have no dashes: a colour for each setting of all
+          // lists but the last
+          unsigned int setting = 0;
+          for (std::size_t i = 0; i + 1 < choice.size(); ++i)
+            setting = setting * n_values[i] + choice[i];
+          choice = {setting, choice.back()};
+        }
       const unsigned int colour = choice[0] % colours.size();
       const unsigned int point =
         (choice.size() > 1 ? choice[1] : choice[0]) % points.size();
@@ -114,6 +127,8 @@ namespace emmy
       write_panel(std::ostream &script, const unsigned int q) const;
       void
       write_key(std::ostream &script) const;
+      std::string
+      key_of(const StudyCurve &curve) const;
       /** Lines of order 1 and 2 below the curves, as gnuplot plots them. */
       static std::string
       guides(const double least_size,
@@ -174,15 +189,12 @@ namespace emmy
     void
     Picture::write_data(std::ostream &script, const unsigned int q) const
     {
-      const StudyList &along = plan.lists[plan.list_of_curves()];
       for (unsigned int c = 0; c < curves.size(); ++c)
         {
           script << "$q" << q << "c" << c << " << EOD\n";
           for (const unsigned int m : curves[c].members)
             if (can_draw(abscissa(m)) && can_draw(table.error(m, q)))
-              script << abscissa(m) << ' ' << table.error(m, q) << " \""
-                     << along.values[position(plan, plan.list_of_curves(), m)]
-                     << "\"\n";
+              script << abscissa(m) << ' ' << table.error(m, q) << '\n';
           script << "EOD\n";
         }
       const std::vector<double> seconds = table.all_seconds();
@@ -245,10 +257,6 @@ namespace emmy
           const std::string data = block + std::to_string(c);
           plots += ", " + data + " using 1:2 with linespoints " +
                    style(plan, curves[c]);
-          if (!plan.has_sizes()) // values are words: beside their points
-            plots += ", " + data +
-                     " using 1:2:3 with labels noenhanced left offset 1,0.4 "
-                     "font ',18'";
         }
       if (is_over_size) // behind curves: in front their range is the axis'
         plots += guides(*least_x, *most_x, *least_y);
@@ -275,6 +283,19 @@ namespace emmy
       return result;
     }
 
+    /** Single points are many: their values without the names of lists. */
+    std::string
+    Picture::key_of(const StudyCurve &curve) const
+    {
+      if (plan.has_sizes())
+        return curve.name.empty() ? "members" : curve.name;
+      std::vector<std::string> values;
+      for (unsigned int i = 0; i < plan.lists.size(); ++i)
+        if (plan.lists[i].varies())
+          values.push_back(plan.members[curve.members[0]].values[i]);
+      return join(values);
+    }
+
     void
     Picture::write_key(std::ostream &script) const
     {
@@ -287,8 +308,7 @@ namespace emmy
              << " noenhanced spacing 1.2 samplen 3\nplot [0:1] [0:1] ";
       for (const StudyCurve &curve : curves)
         script << "NaN with linespoints " << style(plan, curve) << " title "
-               << gnuplot::quoted(curve.name.empty() ? "members" : curve.name)
-               << ", ";
+               << gnuplot::quoted(key_of(curve)) << ", ";
       if (is_over_size)
         script << "NaN with lines lc rgb '#909090' lw 0.8 dt (2,4) title "
                   "'order 1', NaN with lines lc rgb '#909090' lw 0.8 dt (8,4) "

@@ -21,7 +21,7 @@ namespace emmy
     std::vector<unsigned int> members;
   };
 
-  /** All members in curves; without a refined list along the last list. */
+  /** All members in curves; without a refined list each is one. */
   std::vector<StudyCurve>
   study_curves(const StudyPlan &plan);
 

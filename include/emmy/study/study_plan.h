@@ -109,14 +109,6 @@ namespace emmy
     {
       return refined_list < lists.size();
     }
-
-    /** The list along which the members of a curve differ: the refined one,
-     * else the last. */
-    unsigned int
-    list_of_curves() const
-    {
-      return has_sizes() ? refined_list : lists.size() - 1;
-    }
   };
 } // namespace emmy
 
