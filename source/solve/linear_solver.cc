@@ -112,42 +112,41 @@ namespace emmy
       return result;
     }
 
-    /**
-     * LU of the matrix scaled with its diagonal from both sides. Without it a
-     * row of a node that a particle just reaches, whose diagonal is far below
-     * its other entries, would be a pivot, and digits of its neighbours lost.
-     */
     class DirectSolver : public LinearSolver
     {
     public:
       LinearResult
       prepare(const Matrix &matrix) override
       {
-        LinearResult result;
-        try
+        is_scaled = false;
+        return factorise(matrix);
+      }
+
+      /**
+       * LU of the matrix scaled with its diagonal from both sides. Without it
+       * a row of a node that a particle just reaches, whose diagonal is far
+       * below its other entries, would be a pivot, and digits of its
+       * neighbours lost.
+       */
+      LinearResult
+      prepare_mass(const Matrix &matrix) override
+      {
+        is_scaled = true;
+        scale.reinit(matrix.locally_owned_range_indices(),
+                     matrix.get_mpi_communicator());
+        for (const auto i : matrix.locally_owned_range_indices())
           {
-            scale.reinit(matrix.locally_owned_range_indices(),
-                         matrix.get_mpi_communicator());
-            for (const auto i : matrix.locally_owned_range_indices())
-              {
-                const double diagonal = std::abs(matrix.diag_element(i));
-                scale[i] = diagonal > 0. ? 1. / std::sqrt(diagonal) : 1.;
-              }
-            scale.compress(dealii::VectorOperation::insert);
-            scaled.reinit(matrix);
-            scaled.copy_from(matrix);
-            auto &entries =
-              const_cast<Epetra_CrsMatrix &>(scaled.trilinos_matrix());
-            entries.LeftScale(*scale.trilinos_vector()(0));
-            entries.RightScale(*scale.trilinos_vector()(0));
-            solver = std::make_unique<TW::SolverDirect>(control);
-            solver->initialize(scaled);
+            const double diagonal = std::abs(matrix.diag_element(i));
+            scale[i] = diagonal > 0. ? 1. / std::sqrt(diagonal) : 1.;
           }
-        catch (const std::exception &)
-          {
-            result.problem = "the matrix is singular: LU factorisation failed";
-          }
-        return agreed(result, matrix.get_mpi_communicator());
+        scale.compress(dealii::VectorOperation::insert);
+        scaled.reinit(matrix);
+        scaled.copy_from(matrix);
+        auto &entries =
+          const_cast<Epetra_CrsMatrix &>(scaled.trilinos_matrix());
+        entries.LeftScale(*scale.trilinos_vector()(0));
+        entries.RightScale(*scale.trilinos_vector()(0));
+        return factorise(scaled);
       }
 
       LinearResult
@@ -156,10 +155,15 @@ namespace emmy
         LinearResult result;
         try
           {
-            Vector scaled_b(b);
-            scaled_b.scale(scale);
-            solver->solve(x, scaled_b);
-            x.scale(scale);
+            if (is_scaled)
+              {
+                Vector scaled_b(b);
+                scaled_b.scale(scale);
+                solver->solve(x, scaled_b);
+                x.scale(scale);
+              }
+            else
+              solver->solve(x, b);
           }
         catch (const std::exception &)
           {
@@ -177,7 +181,24 @@ namespace emmy
       }
 
     private:
+      LinearResult
+      factorise(const Matrix &matrix)
+      {
+        LinearResult result;
+        try
+          {
+            solver = std::make_unique<TW::SolverDirect>(control);
+            solver->initialize(matrix);
+          }
+        catch (const std::exception &)
+          {
+            result.problem = "the matrix is singular: LU factorisation failed";
+          }
+        return agreed(result, matrix.get_mpi_communicator());
+      }
+
       dealii::SolverControl             control;
+      bool                              is_scaled = false;
       Matrix                            scaled;
       Vector                            scale;
       std::unique_ptr<TW::SolverDirect> solver;

@@ -18,9 +18,17 @@ namespace emmy
                            const Constraints &constraints,
                            Vector            &velocity) {
       LinearResult result = linear_solver.prepare(damped_mass);
-      if (result.is_solved)
-        result = solve_to_round_off(
-          linear_solver, start.mass, constraints, start.momentum, velocity);
+      const auto   refine = [&] {
+        if (result.is_solved)
+          result = solve_to_round_off(
+            linear_solver, start.mass, constraints, start.momentum, velocity);
+      };
+      refine();
+      if (!result.is_solved)
+        {
+          result = linear_solver.prepare_mass(damped_mass);
+          refine();
+        }
       if (phases)
         phases->add_iterations("velocity from momentum", result.iterations);
       return result;

@@ -64,6 +64,16 @@ namespace emmy
     prepare(const Matrix &matrix) = 0;
 
     /**
+     * The same for a symmetric mass matrix with rows of very different size,
+     * where prepare() loses digits: a direct solver scales it.
+     */
+    virtual LinearResult
+    prepare_mass(const Matrix &matrix)
+    {
+      return prepare(matrix);
+    }
+
+    /**
      * Solve with the prepared matrix to the relative residual @p tolerance
      * (a direct solver: to round-off).
      */
