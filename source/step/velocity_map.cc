@@ -17,20 +17,22 @@ namespace emmy
     const auto solve = [&](const Matrix      &damped_mass,
                            const Constraints &constraints,
                            Vector            &velocity) {
-      LinearResult result = linear_solver.prepare(damped_mass);
-      const auto   refine = [&] {
+      unsigned int iterations = 0;
+      const auto   refine     = [&](LinearResult result) {
         if (result.is_solved)
           result = solve_to_round_off(
             linear_solver, start.mass, constraints, start.momentum, velocity);
+        iterations += result.iterations;
+        return result;
       };
-      refine();
+      LinearResult result = refine(linear_solver.prepare(damped_mass));
+      // not from the start: LU of a scaled singular matrix ends with numbers
+      // that mean nothing, where that of the matrix itself fails
       if (!result.is_solved)
-        {
-          result = linear_solver.prepare_mass(damped_mass);
-          refine();
-        }
+        result = refine(linear_solver.prepare_mass(damped_mass));
+      result.iterations = iterations;
       if (phases)
-        phases->add_iterations("velocity from momentum", result.iterations);
+        phases->add_iterations("velocity from momentum", iterations);
       return result;
     };
 

@@ -95,7 +95,7 @@ namespace
                 1.,
                 1e-12,
                 "at an end of the part there is no vertex");
-    check_close(quantity("tip_y to 0.3").value(ledger(20, parabola)),
+    check_close(quantity("tip_y to 0.2999999999").value(ledger(20, parabola)),
                 parabola(0.3),
                 1e-14,
                 "times are compared with slack");
