@@ -1,4 +1,5 @@
 #include <emmy/assembly/balance.h>
+#include <emmy/assembly/moving_places.h>
 #include <emmy/base/exceptions.h>
 
 #include <algorithm>
@@ -97,6 +98,21 @@ namespace emmy
   }
 
   template <int dim>
+  std::vector<double>
+  Balance<dim>::point_forces(const StepData<dim> &step) const
+  {
+    std::vector<double> forces;
+    if (!effects.loads.empty())
+      forces.resize(dim * step.points.n_points());
+    for (std::size_t i = 0; i < effects.loads.size(); ++i)
+      {
+        const auto timed = effect_scope(step.phases, effects.load_names[i]);
+        effects.loads[i]->add_at_points(step, forces);
+      }
+    return forces;
+  }
+
+  template <int dim>
   std::vector<EnergyEntry>
   Balance<dim>::energy_entries() const
   {
@@ -142,6 +158,8 @@ namespace emmy
       2. / step.time_step * absolute_product(step.start.momentum, solution);
     if (with_jacobian)
       tangent = 0.;
+    if (step.moving)
+      step.moving->begin(step, balance.point_forces(step));
     Vector force = active.make_vector();
     for (std::size_t i = 0; i < balance.effects.terms.size(); ++i)
       {
@@ -165,7 +183,39 @@ namespace emmy
 
     free_residual = full_residual;
     active.constraints().condense(free_residual);
+    if (step.moving)
+      {
+        with_places = active.make_vector();
+        active.add(step.moving->residual_share(), with_places);
+        active.constraints().condense(with_places);
+        with_places += free_residual;
+      }
     return true;
+  }
+
+  template <int dim>
+  const Vector &
+  StepEquation<dim>::reduced_residual() const
+  {
+    return step.moving ? with_places : free_residual;
+  }
+
+  template <int dim>
+  void
+  StepEquation<dim>::set_velocity_at_start()
+  {
+    Vector misfit = step.start.momentum; // p - M~ v_t
+    step.start.mass.residual(misfit, step.start.velocity, step.start.momentum);
+    full_residual.add(2. / step.time_step, misfit);
+    free_residual = full_residual;
+    step.start.active->constraints().condense(free_residual);
+  }
+
+  template <int dim>
+  const StepData<dim> &
+  StepEquation<dim>::data() const
+  {
+    return step;
   }
 
   template <int dim>

@@ -32,6 +32,19 @@ namespace emmy
         }
   }
 
+  template <int dim>
+  void
+  FieldLoad<dim>::add_at_points(const StepData<dim> &step,
+                                std::vector<double> &point_force) const
+  {
+    const double                *weight = step.points.component(component);
+    const dealii::Tensor<1, dim> q =
+      amplitude.over(step.time, step.time_step) * vector;
+    for (std::size_t p = 0; p < step.points.n_points(); ++p)
+      for (unsigned int c = 0; c < dim; ++c)
+        point_force[dim * p + c] += weight[p] * q[c];
+  }
+
   template class FieldLoad<2>;
   template class FieldLoad<3>;
 } // namespace emmy

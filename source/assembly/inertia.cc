@@ -40,8 +40,19 @@ namespace emmy
     // 2/dt (u/dt - v_t), with the rounded number 2/dt of velocity_new() in
     // both places: with another one for 2/dt^2 the energy would drift, by a
     // part of 1e-16 in each step, always to the same side
-    const double rate         = 2. / step.time_step;
-    Vector       acceleration = step.start.velocity;
+    const double rate = 2. / step.time_step;
+    if (step.stencils.at_middle)
+      {
+        // the same with M~ v_t = p: v_t is wanted only after Newton
+        Vector momentum = step.start.momentum;
+        step.start.mass.vmult(momentum, iterate.displacement);
+        momentum.sadd(0.5 * rate, -1., step.start.momentum);
+        force.add(rate, momentum);
+        if (jacobian)
+          jacobian->add(inertia_factor(step.time_step), step.start.damped_mass);
+        return "";
+      }
+    Vector acceleration = step.start.velocity;
     acceleration.sadd(-1., 0.5 * rate, iterate.displacement);
     acceleration *= rate;
     Vector inertia = step.start.active->make_vector();

@@ -1,4 +1,5 @@
 #include <emmy/assembly/internal_force.h>
+#include <emmy/assembly/moving_places.h>
 
 #include <algorithm>
 
@@ -108,9 +109,13 @@ namespace emmy
     for (unsigned int first = 0; first < group.n_points;
          first += max_batch_points)
       {
-        const std::size_t  point = group.first_point + first;
-        const unsigned int inverted =
-          evaluate(step, group, first, iterate.local_displacement, work.batch);
+        const std::size_t  point    = group.first_point + first;
+        const unsigned int inverted = evaluate(step,
+                                               group,
+                                               first,
+                                               iterate.local_displacement,
+                                               work.batch,
+                                               work.middle);
         if (inverted < work.batch.n_points)
           return inverted_particle(step.stencils, point + inverted);
 
@@ -126,6 +131,15 @@ namespace emmy
         if (jacobian)
           add_stiffness(
             step.stencils, group, first, volumes, work.batch, work.stiffness);
+        if (jacobian && step.moving)
+          step.moving->add(step,
+                           iterate.local_displacement,
+                           group,
+                           first,
+                           work.batch,
+                           &work.middle.from_start(0),
+                           volumes,
+                           work.stiffness);
       }
 
     if (jacobian)
@@ -147,7 +161,8 @@ namespace emmy
                                const Group               &group,
                                const unsigned int         first,
                                const std::vector<double> &local_displacement,
-                               StressBatch<dim>          &batch) const
+                               StressBatch<dim>          &batch,
+                               MiddleStep<dim>           &middle) const
   {
     const std::size_t point = group.first_point + first;
     batch.n_points = std::min(max_batch_points, group.n_points - first);
@@ -158,7 +173,14 @@ namespace emmy
                            step.start.active->nodes(group),
                            batch);
     states.read(step.points, group.body, point, batch);
-    return rule.evaluate(states.material(group.body), batch);
+    if (!step.stencils.at_middle)
+      return rule.evaluate(states.material(group.body), batch);
+    unsigned int inverted = middle.to_start(batch);
+    if (inverted == batch.n_points)
+      inverted = rule.evaluate(states.material(group.body), batch);
+    if (inverted == batch.n_points)
+      middle.to_middle(batch);
+    return inverted;
   }
 
   template <int dim>
@@ -170,12 +192,13 @@ namespace emmy
     const double *volume = states.reference_volumes(step.points);
     const auto    batch  = std::make_unique<StressBatch<dim>>();
     batch->with_tangent  = false;
-    double result        = 0.;
+    MiddleStep<dim> middle;
+    double          result = 0.;
     for (const Group &group : step.stencils.groups)
       for (unsigned int first = 0; first < group.n_points;
            first += max_batch_points)
         {
-          evaluate(step, group, first, local, *batch);
+          evaluate(step, group, first, local, *batch, middle);
           for (unsigned int q = 0; q < batch->n_points; ++q)
             result += volume[group.first_point + first + q] *
                       scalar_product(batch->nominal_stress[q],

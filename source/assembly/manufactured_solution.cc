@@ -46,19 +46,10 @@ namespace emmy
       add(const StepData<dim> &step,
           std::vector<double> &local_force) const override
       {
-        const double  mid_time = step.time + 0.5 * step.time_step;
-        const double *m        = step.points.component(mass);
+        const double *m = step.points.component(mass);
         for (const auto &group : step.stencils.groups)
           {
-            std::vector<Point<dim>> X;
-            for (unsigned int p = 0; p < group.n_points; ++p)
-              X.push_back(reference_position(step.points,
-                                             reference,
-                                             group.first_point + p));
-            const auto b = exact_body_force(*motion,
-                                            *material_of_body[group.body],
-                                            X,
-                                            mid_time);
+            const auto b = body_force(step, group);
             for (unsigned int a = 0; a < group.n_nodes; ++a)
               {
                 const double  *S = step.stencils.value(group, a);
@@ -72,7 +63,39 @@ namespace emmy
           }
       }
 
+      void
+      add_at_points(const StepData<dim> &step,
+                    std::vector<double> &point_force) const override
+      {
+        for (const auto &group : step.stencils.groups)
+          {
+            const auto b = body_force(step, group);
+            for (unsigned int q = 0; q < group.n_points; ++q)
+              {
+                const std::size_t p = group.first_point + q;
+                for (unsigned int c = 0; c < dim; ++c)
+                  point_force[dim * p + c] +=
+                    step.points.component(mass)[p] * b[q][c];
+              }
+          }
+      }
+
     private:
+      /** b at the points of a group, m/s^2. */
+      std::vector<Tensor<1, dim>>
+      body_force(const StepData<dim>                 &step,
+                 const typename Stencils<dim>::Group &group) const
+      {
+        std::vector<Point<dim>> X;
+        for (unsigned int p = 0; p < group.n_points; ++p)
+          X.push_back(
+            reference_position(step.points, reference, group.first_point + p));
+        return exact_body_force(*motion,
+                                *material_of_body[group.body],
+                                X,
+                                step.time + 0.5 * step.time_step);
+      }
+
       const SharedMotion<dim>                  motion;
       const std::vector<const Material<dim> *> material_of_body;
       const unsigned int                       reference, mass;

@@ -72,27 +72,41 @@ namespace emmy
     return card;
   }
 
+  UsedLength
+  used_half_length(const double l,
+                   const double h,
+                   const double below,
+                   const double above)
+  {
+    UsedLength used{(1. - shrinkage) * l, 0., 1. - shrinkage};
+    if ((1. - shrinkage) * h < used.value)
+      used = {(1. - shrinkage) * h, 0., 0.};
+    if (below < used.value)
+      used = {below, 1., 0.};
+    if (above < used.value)
+      used = {above, -1., 0.};
+    if (used.value < smallest_half_length * h)
+      used = {0., 0., 0.};
+    return used;
+  }
+
   template <int dim>
   void
-  GimpShapeFunctions<dim>::set_overlap(const BackgroundGrid<dim> &grid,
-                                       Entry                     &entry) const
+  GimpShapeFunctions<dim>::set_overlap(const Places<dim>         &places,
+                                       const BackgroundGrid<dim> &grid,
+                                       Entry                     &entry)
   {
-    const dealii::Point<dim> x          = entry.particle->get_location();
-    const auto               properties = entry.particle->get_properties();
+    const dealii::Point<dim> &x = places.positions[entry.index];
     for (unsigned int d = 0; d < dim; ++d)
       {
         const double h = grid.cell_size()[d];
-        Assert(properties[half_length_component + d] >= 0.,
+        Assert(places.half_lengths[entry.index][d] >= 0.,
                dealii::ExcMessage("A half-length is no number."));
         const double below = std::max(0., x[d] - grid.lower_corner()[d]),
                      above = std::max(0., grid.upper_corner()[d] - x[d]);
-        double l =
-          std::min({(1. - shrinkage) * properties[half_length_component + d],
-                    (1. - shrinkage) * h,
-                    below,
-                    above});
-        if (l < smallest_half_length * h)
-          l = 0.;
+        const double l =
+          used_half_length(places.half_lengths[entry.index][d], h, below, above)
+            .value;
         const double n_last = grid.n_cells()[d] - 1;
         const double first  = std::floor((below - l) / h);
         const double last   = l == 0. ? first : std::ceil((below + l) / h) - 1.;
@@ -103,30 +117,38 @@ namespace emmy
   }
 
   template <int dim>
-  std::vector<typename GimpShapeFunctions<dim>::Entry>
-  GimpShapeFunctions<dim>::sorted_entries(
+  Places<dim>
+  GimpShapeFunctions<dim>::places(
     const dealii::Particles::ParticleHandler<dim> &particles,
     const BackgroundGrid<dim>                     &grid) const
   {
-    std::vector<Entry> entries;
-    entries.reserve(particles.n_locally_owned_particles());
-    for (auto particle = particles.begin(); particle != particles.end();
-         ++particle)
+    Places<dim> places = places_now(particles, grid, body_component);
+    places.half_lengths.resize(places.size());
+    for (std::size_t i = 0; i < places.size(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        places.half_lengths[i][d] =
+          places.particles[i]->get_properties()[half_length_component + d];
+    return places;
+  }
+
+  template <int dim>
+  std::vector<typename GimpShapeFunctions<dim>::Entry>
+  GimpShapeFunctions<dim>::sorted_entries(const Places<dim>         &places,
+                                          const BackgroundGrid<dim> &grid) const
+  {
+    std::vector<Entry> entries(places.size());
+    for (std::size_t i = 0; i < places.size(); ++i)
       {
-        Entry entry;
-        entry.particle = particle;
-        entry.body =
-          static_cast<unsigned int>(particle->get_properties()[body_component]);
-        set_overlap(grid, entry);
-        entries.push_back(entry);
+        entries[i].index = i;
+        entries[i].body  = places.bodies[i];
+        set_overlap(places, grid, entries[i]);
       }
     // the order must not depend on which part of the grid has cells
-    std::sort(entries.begin(),
-              entries.end(),
-              [](const Entry &a, const Entry &b) {
-                return std::make_pair(a.key(), a.particle->get_id()) <
-                       std::make_pair(b.key(), b.particle->get_id());
-              });
+    std::sort(
+      entries.begin(), entries.end(), [&](const Entry &a, const Entry &b) {
+        return std::make_pair(a.key(), places.particles[a.index]->get_id()) <
+               std::make_pair(b.key(), places.particles[b.index]->get_id());
+      });
     return entries;
   }
 
@@ -168,6 +190,8 @@ namespace emmy
                                      std::vector<Cell> &overlapped) const
   {
     const auto n_nodes = nodes_of<dim>(entry.first, entry.last);
+    group.n_along      = n_nodes;
+    group.origin       = grid.corner(entry.first);
     group.first_node   = stencils.node_ids.size();
     group.n_nodes      = 1;
     for (const unsigned int n : n_nodes)
@@ -195,22 +219,22 @@ namespace emmy
   template <int dim>
   void
   GimpShapeFunctions<dim>::add_weights(const Entry               *first,
+                                       const Places<dim>         &places,
                                        const BackgroundGrid<dim> &grid,
                                        const Group               &group,
                                        Stencils<dim> &stencils) const
   {
-    const auto               n_nodes = nodes_of<dim>(first->first, first->last);
-    const dealii::Point<dim> origin  = grid.corner(first->first);
+    const auto &n_nodes = group.n_along;
     stencils.values.resize(group.first_value +
                            std::size_t(group.n_nodes) * group.n_points);
     stencils.gradients.resize(dim * stencils.values.size());
     std::array<std::array<Weight, 4>, dim> weights;
     for (unsigned int q = 0; q < group.n_points; ++q)
       {
-        const Entry             &entry = first[q];
-        const dealii::Point<dim> x     = entry.particle->get_location();
+        const Entry              &entry = first[q];
+        const dealii::Point<dim> &x     = places.positions[entry.index];
         for (unsigned int d = 0; d < dim; ++d)
-          gimp_weights(x[d] - origin[d],
+          gimp_weights(x[d] - group.origin[d],
                        entry.half_length[d],
                        grid.cell_size()[d],
                        n_nodes[d] - 1,
@@ -236,17 +260,79 @@ namespace emmy
   }
 
   template <int dim>
-  Stencils<dim>
-  GimpShapeFunctions<dim>::evaluate(
-    const dealii::Particles::ParticleHandler<dim> &particles,
-    const BackgroundGrid<dim>                     &grid) const
+  void
+  GimpShapeFunctions<dim>::differentiate(
+    const Places<dim>                   &places,
+    const std::size_t                    i,
+    const typename Stencils<dim>::Group &group,
+    const BackgroundGrid<dim>           &grid,
+    PlaceDerivatives<dim>               &result) const
   {
-    const std::vector<Entry> entries = sorted_entries(particles, grid);
+    Factors<dim>              factors;
+    std::array<Weight, 4>     weights;
+    const dealii::Point<dim> &x = places.positions[i];
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double       h     = grid.cell_size()[d];
+        const unsigned int n     = group.n_along[d] - 1; // cells
+        const double       below = std::max(0., x[d] - grid.lower_corner()[d]),
+                     above       = std::max(0., grid.upper_corner()[d] - x[d]);
+        const UsedLength l =
+          used_half_length(places.half_lengths[i][d], h, below, above);
+        const double from_first = x[d] - group.origin[d];
+        gimp_weights(from_first, l.value, h, n, weights.data());
+        // both ends of the box: hats and their slopes, by node
+        const double a = (from_first - l.value) / h,
+                     b = (from_first + l.value) / h - (n - 1);
+        for (unsigned int j = 0; j <= n; ++j)
+          {
+            const double at_a    = j == 0   ? 1. - a
+                                   : j == 1 ? a
+                                            : 0.,
+                         at_b    = j + 1 == n ? 1. - b
+                                   : j == n   ? b
+                                              : 0.;
+            const double slope_a = j == 0   ? -1. / h
+                                   : j == 1 ? 1. / h
+                                            : 0.,
+                         slope_b = j + 1 == n ? -1. / h
+                                   : j == n   ? 1. / h
+                                              : 0.;
+            double by_l = 0., slope_by_x = 0., slope_by_l = 0.;
+            if (n > 1) // in one cell a box is a point
+              {
+                const double twice = 2. * l.value;
+                by_l       = (at_a + at_b - 2. * weights[j].value) / twice;
+                slope_by_x = (slope_b - slope_a) / twice;
+                slope_by_l =
+                  (slope_b + slope_a - 2. * weights[j].slope) / twice;
+              }
+            factors[d][j] = {weights[j].value,
+                             weights[j].slope,
+                             weights[j].slope + by_l * l.by_x,
+                             by_l * l.by_l,
+                             slope_by_x + slope_by_l * l.by_x,
+                             slope_by_l * l.by_l};
+          }
+      }
+    result.combine(factors, group.n_along);
+  }
+
+  template <int dim>
+  Stencils<dim>
+  GimpShapeFunctions<dim>::evaluate(const Places<dim>         &places,
+                                    const BackgroundGrid<dim> &grid) const
+  {
+    const std::vector<Entry> entries = sorted_entries(places, grid);
     Stencils<dim>            stencils;
     std::vector<Cell>        overlapped;
     stencils.particles.reserve(entries.size());
+    stencils.order.reserve(entries.size());
     for (const Entry &entry : entries)
-      stencils.particles.push_back(entry.particle);
+      {
+        stencils.particles.push_back(places.particles[entry.index]);
+        stencils.order.push_back(entry.index);
+      }
 
     for (std::size_t first = 0, last = 0; first < entries.size(); first = last)
       {
@@ -259,7 +345,7 @@ namespace emmy
         group.body        = entries[first].body;
         group.first_value = stencils.values.size();
         add_nodes(entries[first], grid, group, stencils, overlapped);
-        add_weights(&entries[first], grid, group, stencils);
+        add_weights(&entries[first], places, grid, group, stencils);
         stencils.groups.push_back(group);
       }
 

@@ -1,4 +1,4 @@
-#include <emmy/particles/stencils.h>
+#include <emmy/particles/gimp.h>
 
 #include <algorithm>
 
@@ -21,125 +21,207 @@ namespace emmy
   }
 
   template <int dim>
-  Stencils<dim>
-  LinearShapeFunctions<dim>::evaluate(
+  Places<dim>
+  LinearShapeFunctions<dim>::places(
     const dealii::Particles::ParticleHandler<dim> &particles,
     const BackgroundGrid<dim>                     &grid) const
   {
-    constexpr unsigned int n_nodes = BackgroundGrid<dim>::nodes_per_cell;
-    const std::size_t      n       = particles.n_locally_owned_particles();
-    const auto            &h       = grid.cell_size();
+    return places_now(particles, grid, body_component);
+  }
 
-    Stencils<dim> stencils;
-    stencils.particles.reserve(n);
-    stencils.values.resize(n * n_nodes);
-    stencils.gradients.resize(n * n_nodes * dim);
-
-    const auto body_of = [this](const auto &particle) {
-      return static_cast<unsigned int>(
-        particle->get_properties()[body_component]);
-    };
-
-    // The particles of a cell stand together. Neither the order of cells nor
-    // that within one may depend on which part of the grid has cells.
-    struct Filled
-    {
-      typename BackgroundGrid<dim>::Lattice    place;
-      typename Stencils<dim>::ParticleIterator first;
-      unsigned int                             n_particles;
-    };
-    std::vector<Filled> filled;
+  template <int dim>
+  Places<dim>
+  places_now(const dealii::Particles::ParticleHandler<dim> &particles,
+             const BackgroundGrid<dim>                     &grid,
+             const unsigned int                             body_component)
+  {
+    Places<dim>       places;
+    const std::size_t n = particles.n_locally_owned_particles();
+    places.particles.reserve(n);
+    places.bodies.reserve(n);
+    places.cells.reserve(n);
+    places.positions.reserve(n);
     for (auto particle = particles.begin(); particle != particles.end();)
       {
-        const auto cell = particle->get_surrounding_cell();
-        filled.push_back({grid.lattice(cell), particle, 0});
+        const auto cell    = particle->get_surrounding_cell();
+        const auto lattice = grid.lattice(cell);
         for (; particle != particles.end() &&
                particle->get_surrounding_cell() == cell;
              ++particle)
-          ++filled.back().n_particles;
-      }
-    std::sort(filled.begin(), filled.end(), [](const auto &a, const auto &b) {
-      return a.place < b.place;
-    });
-
-    for (const Filled &run : filled)
-      {
-        const auto cell = run.first->get_surrounding_cell();
-        stencils.active_cells.push_back(cell);
-        const auto ids      = grid.node_ids(cell);
-        const auto lower    = grid.corner(run.place);
-        const auto first    = stencils.particles.size();
-        auto       particle = run.first;
-        for (unsigned int i = 0; i < run.n_particles; ++i)
-          stencils.particles.push_back(particle++);
-        // most often they are in order already
-        const auto is_before = [&](const auto &a, const auto &b) {
-          return std::make_pair(body_of(a), a->get_id()) <
-                 std::make_pair(body_of(b), b->get_id());
-        };
-        if (!std::is_sorted(stencils.particles.begin() + first,
-                            stencils.particles.end(),
-                            is_before))
-          std::sort(stencils.particles.begin() + first,
-                    stencils.particles.end(),
-                    is_before);
-
-        for (auto p = first; p < stencils.particles.size();)
           {
-            typename Stencils<dim>::Group group;
-            group.first_point = p;
-            group.body        = body_of(stencils.particles[p]);
-            while (p < stencils.particles.size() &&
-                   body_of(stencils.particles[p]) == group.body)
-              ++p;
-            group.n_points    = p - group.first_point;
-            group.n_nodes     = n_nodes;
-            group.first_node  = stencils.node_ids.size();
-            group.first_value = group.first_point * n_nodes;
-            stencils.node_ids.insert(stencils.node_ids.end(),
-                                     ids.begin(),
-                                     ids.end());
-
-            for (unsigned int q = 0; q < group.n_points; ++q)
-              {
-                // per direction: the hats of both nodes and their slopes
-                const auto &x =
-                  stencils.particles[group.first_point + q]->get_location();
-                std::array<std::array<double, 2>, dim> hat;
-                for (unsigned int d = 0; d < dim; ++d)
-                  {
-                    const double xi = (x[d] - lower[d]) / h[d];
-                    hat[d]          = {{1. - xi, xi}};
-                  }
-                for (unsigned int a = 0; a < n_nodes; ++a)
-                  {
-                    const auto side = [a](const unsigned int d) {
-                      return (a >> d) & 1;
-                    };
-                    double value = 1.;
-                    for (unsigned int d = 0; d < dim; ++d)
-                      value *= hat[d][side(d)];
-                    stencils
-                      .values[group.first_value + a * group.n_points + q] =
-                      value;
-                    for (unsigned int d = 0; d < dim; ++d)
-                      {
-                        double slope = (side(d) ? 1. : -1.) / h[d];
-                        for (unsigned int e = 0; e < dim; ++e)
-                          if (e != d)
-                            slope *= hat[e][side(e)];
-                        stencils.gradients[dim * group.first_value +
-                                           (a * dim + d) * group.n_points + q] =
-                          slope;
-                      }
-                  }
-              }
-            stencils.groups.push_back(group);
+            places.particles.push_back(particle);
+            places.bodies.push_back(static_cast<unsigned int>(
+              particle->get_properties()[body_component]));
+            places.cells.push_back(lattice);
+            places.positions.push_back(particle->get_location());
           }
       }
+    return places;
+  }
+
+  namespace
+  {
+    /**
+     * The order of points: by cell, then by body, then by id. Neither the
+     * order of cells nor that within one may depend on which part of the grid
+     * has cells.
+     */
+    template <int dim>
+    std::vector<std::size_t>
+    order_by_cells(const Places<dim> &places)
+    {
+      const auto is_before = [&](const std::size_t i, const std::size_t j) {
+        if (places.cells[i] != places.cells[j])
+          return places.cells[i] < places.cells[j];
+        return std::make_pair(places.bodies[i], places.particles[i]->get_id()) <
+               std::make_pair(places.bodies[j], places.particles[j]->get_id());
+      };
+      // particles of a cell stand together already: sort their runs first
+      std::vector<std::pair<std::size_t, std::size_t>> runs;
+      for (std::size_t i = 0; i < places.size(); ++i)
+        if (i > 0 && places.cells[i] == places.cells[i - 1])
+          ++runs.back().second;
+        else
+          runs.emplace_back(i, i + 1);
+      std::sort(runs.begin(), runs.end(), [&](const auto &a, const auto &b) {
+        return std::make_pair(places.cells[a.first], a.first) <
+               std::make_pair(places.cells[b.first], b.first);
+      });
+      std::vector<std::size_t> order;
+      order.reserve(places.size());
+      for (const auto &[begin, end] : runs)
+        for (std::size_t i = begin; i < end; ++i)
+          order.push_back(i);
+      for (auto first = order.begin(); first != order.end();)
+        {
+          auto last = first;
+          while (last != order.end() &&
+                 places.cells[*last] == places.cells[*first])
+            ++last;
+          // most often they are in order already
+          if (!std::is_sorted(first, last, is_before))
+            std::sort(first, last, is_before);
+          first = last;
+        }
+      return order;
+    }
+  } // namespace
+
+  template <int dim>
+  Stencils<dim>
+  LinearShapeFunctions<dim>::evaluate(const Places<dim>         &places,
+                                      const BackgroundGrid<dim> &grid) const
+  {
+    constexpr unsigned int n_nodes = BackgroundGrid<dim>::nodes_per_cell;
+
+    Stencils<dim> stencils;
+    stencils.order      = order_by_cells(places);
+    const std::size_t n = places.size();
+    stencils.particles.reserve(n);
+    for (const std::size_t i : stencils.order)
+      stencils.particles.push_back(places.particles[i]);
+    stencils.values.resize(n * n_nodes);
+    stencils.gradients.resize(n * n_nodes * dim);
+
+    std::vector<typename BackgroundGrid<dim>::Cell> found;
+    for (std::size_t first = 0, last = 0; first < n; first = last)
+      {
+        const auto &place = places.cells[stencils.order[first]];
+        const auto  body  = places.bodies[stencils.order[first]];
+        while (last < n && places.cells[stencils.order[last]] == place &&
+               places.bodies[stencils.order[last]] == body)
+          ++last;
+        const auto cell = grid.cell_at(place);
+        if (found.empty() || found.back() != cell)
+          found.push_back(cell);
+        const auto                    ids = grid.node_ids(cell);
+        typename Stencils<dim>::Group group;
+        group.first_point = first;
+        group.n_points    = last - first;
+        group.body        = body;
+        group.n_nodes     = n_nodes;
+        group.first_node  = stencils.node_ids.size();
+        group.first_value = first * n_nodes;
+        group.n_along.fill(2);
+        group.origin = grid.corner(place);
+        stencils.node_ids.insert(stencils.node_ids.end(),
+                                 ids.begin(),
+                                 ids.end());
+        add_weights(places, group, grid.cell_size(), stencils);
+        stencils.groups.push_back(group);
+      }
+    stencils.active_cells = owned_among_active<dim>(found, grid);
     return stencils;
   }
 
+  template <int dim>
+  void
+  LinearShapeFunctions<dim>::add_weights(
+    const Places<dim>                   &places,
+    const typename Stencils<dim>::Group &group,
+    const dealii::Tensor<1, dim>        &h,
+    Stencils<dim>                       &stencils)
+  {
+    for (unsigned int q = 0; q < group.n_points; ++q)
+      {
+        // per direction: the hats of both nodes and their slopes
+        const auto &x = places.positions[stencils.order[group.first_point + q]];
+        std::array<std::array<double, 2>, dim> hat;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double xi = (x[d] - group.origin[d]) / h[d];
+            hat[d]          = {{1. - xi, xi}};
+          }
+        for (unsigned int a = 0; a < group.n_nodes; ++a)
+          {
+            const auto side = [a](const unsigned int d) {
+              return (a >> d) & 1;
+            };
+            double value = 1.;
+            for (unsigned int d = 0; d < dim; ++d)
+              value *= hat[d][side(d)];
+            stencils.values[group.first_value + a * group.n_points + q] = value;
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                double slope = (side(d) ? 1. : -1.) / h[d];
+                for (unsigned int e = 0; e < dim; ++e)
+                  if (e != d)
+                    slope *= hat[e][side(e)];
+                stencils.gradients[dim * group.first_value +
+                                   (a * dim + d) * group.n_points + q] = slope;
+              }
+          }
+      }
+  }
+
+  template <int dim>
+  void
+  LinearShapeFunctions<dim>::differentiate(
+    const Places<dim>                   &places,
+    const std::size_t                    i,
+    const typename Stencils<dim>::Group &group,
+    const BackgroundGrid<dim>           &grid,
+    PlaceDerivatives<dim>               &result) const
+  {
+    Factors<dim> factors;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double h  = grid.cell_size()[d];
+        const double xi = (places.positions[i][d] - group.origin[d]) / h;
+        factors[d][0]   = {1. - xi, -1. / h, -1. / h, 0., 0., 0.};
+        factors[d][1]   = {xi, 1. / h, 1. / h, 0., 0., 0.};
+      }
+    result.combine(factors, group.n_along);
+  }
+
+  template Places<2>
+  places_now<2>(const dealii::Particles::ParticleHandler<2> &,
+                const BackgroundGrid<2> &,
+                const unsigned int);
+  template Places<3>
+  places_now<3>(const dealii::Particles::ParticleHandler<3> &,
+                const BackgroundGrid<3> &,
+                const unsigned int);
   template class LinearShapeFunctions<2>;
   template class LinearShapeFunctions<3>;
 } // namespace emmy

@@ -97,7 +97,8 @@ namespace emmy
         }
       norm = equation.residual().l2_norm();
       result.residual_history.push_back(norm);
-      result.is_converged = is_round_off(std::numeric_limits<double>::max());
+      result.is_converged = equation.is_settled() &&
+                            is_round_off(std::numeric_limits<double>::max());
       return !result.is_converged;
     }
 
@@ -123,7 +124,9 @@ namespace emmy
     {
       const auto scope = newton.phases.scope("linear solve");
       damp(mu, equation.jacobian());
-      right_side.equ(-1., equation.residual());
+      // moved, not copied into: unknowns may be numbered anew
+      right_side = Vector(equation.reduced_residual());
+      right_side *= -1.;
       LinearResult solve = newton.linear_solver.prepare(equation.jacobian());
       if (solve.is_solved)
         solve = newton.linear_solver.solve(increment,
@@ -146,7 +149,7 @@ namespace emmy
       // then the first |r||du| of the paper is no measure, but this is.
       if (++result.iterations == 1)
         reference = absolute_product(right_side, increment);
-      solution += increment;
+      equation.take(solution, increment);
       return evaluate();
     }
 
@@ -161,8 +164,9 @@ namespace emmy
         absolute_product(equation.residual(), increment));
       reference = std::min(reference, result.work_history.front());
       result.is_converged =
-        result.work_history.back() < newton.tolerance * reference ||
-        is_round_off(norm_before);
+        equation.is_settled() &&
+        (result.work_history.back() < newton.tolerance * reference ||
+         is_round_off(norm_before));
       return result.is_converged;
     }
 
@@ -219,7 +223,7 @@ namespace emmy
     if (first.result.is_converged || first.result.residual_history.empty())
       return first.result;
 
-    solution = start;
+    equation.begin_again(solution, start);
     Iteration second(*this, equation, solution);
     damped(second);
     NewtonResult result = second.result;
@@ -251,8 +255,7 @@ namespace emmy
         bool has_meaning = iteration.take();
         for (unsigned int halving = 0; !has_meaning && halving < 6; ++halving)
           {
-            iteration.increment *= 0.5;
-            iteration.solution -= iteration.increment;
+            iteration.equation.halve(iteration.solution, iteration.increment);
             has_meaning = iteration.evaluate();
           }
         if (!has_meaning)
@@ -287,7 +290,8 @@ namespace emmy
           return;
         if (!is_better)
           {
-            iteration.solution -= iteration.increment;
+            iteration.equation.take_back(iteration.solution,
+                                         iteration.increment);
             iteration.evaluate();
             measure = measure_before;
           }

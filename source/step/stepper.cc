@@ -37,37 +37,27 @@ namespace emmy
   StepReport
   Stepper<dim>::advance()
   {
-    // particles -> grid
-    const Stencils<dim>    stencils = timed("stencils", [&] {
-      return method.shape_functions.evaluate(particles, grid);
-    });
-    const PointArrays<dim> points =
-      timed("gather", [&] { return gather(stencils, layout); });
-    GridStart<dim> &at_start =
-      timed("particles to grid", [&]() -> GridStart<dim> & {
-        return particles_to_grid(stencils, points);
-      });
-    start = &at_start;
-    timed("velocity from momentum",
-          [&] { velocity_from_momentum(stencils, points, at_start); });
-
-    // solve; until here and for as long as the step fails, particles keep
-    // their states
-    Solution solution = solve(stencils, points);
+    // particles -> grid -> solve; as long as this fails, particles keep their
+    // states
+    Solution solution = solve();
     tell_of_followers(solution);
     if (method.diagnosis.small_cuts)
-      timed("diagnosis", [&] { examine(stencils, points, solution); });
+      timed("diagnosis", [&] { examine(solution); });
 
     // grid -> particles
     const StepReport result = timed("accounts", [&] {
-      move(stencils, points, solution);
-      return report(solution, stencils, points);
+      move(solution);
+      return report(solution);
     });
     timed("grid to particles", [&] {
-      grid_to_particles(
-        stencils, solution.equation->trial(), layout, grid, particles);
+      grid_to_particles(solution.ground().stencils,
+                        solution.equation().trial(),
+                        layout,
+                        grid,
+                        particles);
     });
-    count_points(points.n_points(), solution.newton.residual_history.size());
+    count_points(solution.ground().points.n_points(),
+                 solution.newton.residual_history.size());
     velocity    = std::move(solution.velocity);
     time        = result.time;
     step_number = result.step;
@@ -76,63 +66,175 @@ namespace emmy
 
   template <int dim>
   typename Stepper<dim>::Solution
-  Stepper<dim>::solve(const Stencils<dim>    &stencils,
-                      const PointArrays<dim> &points)
+  Stepper<dim>::solve()
   {
-    Solution       solution;
-    const StepSize chosen = next_step_size(stencils, points);
-    solution.time_step    = chosen.time_step;
+    Solution solution;
+    choose_size(solution);
+    for (unsigned int halvings = 0;; ++halvings, solution.time_step *= 0.5)
+      {
+        if (method.middle)
+          try_in_middle(solution);
+        else
+          try_from_start(solution);
+        if (solution.newton.is_converged)
+          break;
+        if (halvings == limits.maximum_halvings)
+          give_up(solution.equation().data(), solution);
+        ++solution.halvings;
+        solution.notes.push_back(where() + ": " + solution.newton.problem +
+                                 "; halved to " +
+                                 brief(0.5 * solution.time_step) + " s");
+      }
+    if (solution.newton.is_damped)
+      solution.notes.push_back(
+        where() + ": Newton converged only with a damped matrix (first " +
+        solution.newton.first_try + ")" +
+        (solution.newton.leaves_rest
+           ? "; |r| stays at " +
+               brief(solution.equation().residual().l2_norm() /
+                     solution.equation().scale()) +
+               " of the forces"
+           : std::string()));
+    solution.velocity =
+      velocity_new(solution.displacement, start->velocity, solution.time_step);
+    return solution;
+  }
+
+  template <int dim>
+  void
+  Stepper<dim>::choose_size(Solution &solution)
+  {
+    solution.at_start = std::make_unique<Ground<dim>>(ground_at_start());
+    const Stencils<dim>    &stencils = solution.at_start->stencils;
+    const PointArrays<dim> &points   = solution.at_start->points;
+    StepSize                chosen;
+    if (method.middle)
+      {
+        const ActiveGrid<dim> active(stencils,
+                                     {},
+                                     {},
+                                     grid,
+                                     boundary_conditions,
+                                     ActiveGrid<dim>::Matrices::none);
+        chosen = choose_step_size(
+          method, limits, layout, stencils, points, active, time);
+      }
+    else
+      {
+        GridStart<dim> &at_start =
+          timed("particles to grid", [&]() -> GridStart<dim> & {
+            return particles_to_grid(stencils, points);
+          });
+        start = &at_start;
+        timed("velocity from momentum",
+              [&] { velocity_from_momentum(stencils, points, at_start); });
+        chosen = choose_step_size(
+          method, limits, layout, stencils, points, *start->active, time);
+      }
+    solution.time_step = chosen.time_step;
     if (!chosen.note.empty() && !has_limited_travel)
       {
         has_limited_travel = true;
         solution.notes.push_back(where() + ": " + chosen.note);
       }
-    for (unsigned int halvings = 0;; ++halvings, solution.time_step *= 0.5)
+  }
+
+  template <int dim>
+  Ground<dim>
+  Stepper<dim>::ground_at_start()
+  {
+    Ground<dim> ground;
+    ground.stencils = timed("stencils", [&] {
+      return method.shape_functions.evaluate(particles, grid);
+    });
+    ground.points =
+      timed("gather", [&] { return gather(ground.stencils, layout); });
+    return ground;
+  }
+
+  template <int dim>
+  void
+  Stepper<dim>::try_from_start(Solution &solution)
+  {
+    const Ground<dim>  &ground = *solution.at_start;
+    const StepData<dim> step{ground.stencils,
+                             ground.points,
+                             *start,
+                             time,
+                             solution.time_step,
+                             &phases};
+    solution.of_start =
+      timed("loads and matrices", [&] { return method.balance.over(step); });
+    solution.displacement = start->mean_velocity;
+    solution.displacement *= step.time_step;
+    start->active->constraints().set_zero(solution.displacement);
+    if (boundary_conditions.has_moving_walls())
       {
-        const StepData<dim> step{
-          stencils, points, *start, time, solution.time_step, &phases};
-        solution.equation     = timed("loads and matrices",
-                                  [&] { return method.balance.over(step); });
-        solution.displacement = start->mean_velocity;
-        solution.displacement *= step.time_step;
-        start->active->constraints().set_zero(solution.displacement);
-        if (boundary_conditions.has_moving_walls())
-          {
-            const auto timed = phases.effect(moving_walls_effect);
-            solution.displacement += start->active->on_walls(
-              boundary_conditions,
-              boundary_conditions.wall_displacements(time, step.time_step));
-          }
-        start->active->constraints().expand(solution.displacement);
-
-        solution.newton = Newton(solver_parameters, *linear_solver, phases)
-                            .solve(*solution.equation, solution.displacement);
-        if (solution.newton.is_converged)
-          {
-            if (solution.newton.is_damped)
-              solution.notes.push_back(
-                where() +
-                ": Newton converged only with a damped matrix (first " +
-                solution.newton.first_try + ")" +
-                (solution.newton.leaves_rest
-                   ? "; |r| stays at " +
-                       brief(solution.equation->residual().l2_norm() /
-                             solution.equation->scale()) +
-                       " of the forces"
-                   : std::string()));
-            break;
-          }
-        if (halvings == limits.maximum_halvings)
-          give_up(step, solution);
-        ++solution.halvings;
-        solution.notes.push_back(where() + ": " + solution.newton.problem +
-                                 "; halved to " + brief(0.5 * step.time_step) +
-                                 " s");
+        const auto timed = phases.effect(moving_walls_effect);
+        solution.displacement += start->active->on_walls(
+          boundary_conditions,
+          boundary_conditions.wall_displacements(time, step.time_step));
       }
+    start->active->constraints().expand(solution.displacement);
+    solution.newton = Newton(solver_parameters, *linear_solver, phases)
+                        .solve(*solution.of_start, solution.displacement);
+  }
 
-    solution.velocity =
-      velocity_new(solution.displacement, start->velocity, solution.time_step);
-    return solution;
+  template <int dim>
+  void
+  Stepper<dim>::try_in_middle(Solution &solution)
+  {
+    // cells may be others afterwards, so nothing of before may be used
+    solution.in_middle.reset();
+    solution.at_start.reset();
+    timed("grid to particles", [&] {
+      method.middle->hand_over(solution.time_step, grid, particles);
+    });
+    Places<dim>      places = method.shape_functions.places(particles, grid);
+    PointArrays<dim> states =
+      timed("gather", [&] { return gather(places, layout); });
+    places = method.middle->first(std::move(places),
+                                  states,
+                                  solution.time_step,
+                                  method.domain_update,
+                                  grid);
+    const PlaceRules<dim> rules{method.shape_functions,
+                                method.domain_update,
+                                grid,
+                                layout,
+                                method.mapping};
+    solution.in_middle = std::make_unique<MiddleEquation<dim>>(
+      typename MiddleEquation<dim>::Start{rules,
+                                          method.balance,
+                                          boundary_conditions,
+                                          particles_to_grid,
+                                          std::move(states),
+                                          time,
+                                          solution.time_step,
+                                          method.geometry_tolerance,
+                                          &phases},
+      std::move(places));
+    solution.displacement = solution.in_middle->first_displacement();
+    if (!linear_solver)
+      linear_solver = make_linear_solver(solver_parameters,
+                                         solution.displacement.size(),
+                                         dim);
+    solution.newton = Newton(solver_parameters, *linear_solver, phases)
+                        .solve(*solution.in_middle, solution.displacement);
+    GridStart<dim> &middle = solution.in_middle->grid_start();
+    start                  = &middle;
+    if (!solution.newton.is_converged)
+      return;
+    if (solution.in_middle->has_given_up())
+      solution.notes.push_back(
+        where() + ": the particles' places in the middle of the step do not "
+                  "settle and were held; see angular_momentum_left");
+    timed("velocity from momentum", [&] {
+      velocity_from_momentum(solution.ground().stencils,
+                             solution.ground().points,
+                             middle);
+    });
+    solution.equation().set_velocity_at_start();
   }
 
   template <int dim>
@@ -145,10 +247,10 @@ namespace emmy
         // What Newton left may be damped. Where the equation has no meaning
         // there is no derivative, but there is a mass.
         const bool has_jacobian =
-          solution.equation->evaluate(solution.displacement,
-                                      /*with_jacobian=*/true);
+          solution.equation().evaluate(solution.displacement,
+                                       /*with_jacobian=*/true);
         const Diagnosis<dim> diagnosis =
-          has_jacobian ? diagnose_matrix(undamped_jacobian(*solution.equation,
+          has_jacobian ? diagnose_matrix(undamped_jacobian(solution.equation(),
                                                            step.start,
                                                            step.time_step),
                                          step.stencils,
@@ -193,13 +295,12 @@ namespace emmy
 
   template <int dim>
   void
-  Stepper<dim>::examine(const Stencils<dim>    &stencils,
-                        const PointArrays<dim> &points,
-                        Solution               &solution)
+  Stepper<dim>::examine(Solution &solution)
   {
-    findings  = std::make_unique<StepDiagnosis<dim>>();
+    const auto &[stencils, points] = solution.ground();
+    findings                       = std::make_unique<StepDiagnosis<dim>>();
     *findings = {diagnose_matrix(examined_mass(*start), stencils, points),
-                 diagnose_matrix(undamped_jacobian(*solution.equation,
+                 diagnose_matrix(undamped_jacobian(solution.equation(),
                                                    *start,
                                                    solution.time_step),
                                  stencils,
@@ -252,11 +353,10 @@ namespace emmy
 
   template <int dim>
   void
-  Stepper<dim>::move(const Stencils<dim>    &stencils,
-                     const PointArrays<dim> &points,
-                     Solution               &solution)
+  Stepper<dim>::move(Solution &solution)
   {
-    PointArrays<dim> &trial = solution.equation->trial();
+    const auto &[stencils, points] = solution.ground();
+    PointArrays<dim> &trial        = solution.equation().trial();
     throw_together(
       grid.communicator(),
       where(),
@@ -282,6 +382,11 @@ namespace emmy
                      trial);
     if (!note.empty())
       solution.notes.push_back(note);
+    if (method.middle)
+      method.middle->leave(stencils,
+                           *start->active,
+                           start->active->to_local(solution.velocity),
+                           trial);
   }
 
   template <int dim>
@@ -300,15 +405,6 @@ namespace emmy
          {"stencils", "gather", "particles to grid", "grid to particles"})
       phases.add_count(phase, n_points);
     phases.add_count("residual and tangent", n_points * n_evaluations);
-  }
-
-  template <int dim>
-  StepSize
-  Stepper<dim>::next_step_size(const Stencils<dim>    &stencils,
-                               const PointArrays<dim> &points) const
-  {
-    return choose_step_size(
-      method, limits, layout, stencils, points, *start->active, time);
   }
 
   template <int dim>
@@ -354,18 +450,21 @@ namespace emmy
   StepReport
   Stepper<dim>::initial_report()
   {
-    const Stencils<dim> stencils =
-      method.shape_functions.evaluate(particles, grid);
-    const PointArrays<dim> points = gather(stencils, layout);
-    start                         = &particles_to_grid(stencils, points);
+    const auto &[stencils, points] = ground_at_start();
+    start                          = &particles_to_grid(stencils, points);
 
     StepReport result;
-    result.time_step = next_step_size(stencils, points).time_step;
-    result.totals    = measure(points, layout, grid.communicator());
-    result.energies  = method.balance.energy_entries();
+    result.time_step =
+      choose_step_size(
+        method, limits, layout, stencils, points, *start->active, time)
+        .time_step;
+    result.totals   = measure(points, layout, grid.communicator());
+    result.energies = method.balance.energy_entries();
     for (const EnergyEntry &entry : account_entries(StepAccounts()))
       result.energies.push_back(entry);
     result.measures = measures(points, time);
+    if (method.middle)
+      add_geometry_measures(Solution(), result.measures);
     result.active_cells =
       dealii::Utilities::MPI::sum(static_cast<std::uint64_t>(
                                     start->active->cells().size()),
@@ -376,16 +475,15 @@ namespace emmy
 
   template <int dim>
   StepReport
-  Stepper<dim>::report(const Solution         &solution,
-                       const Stencils<dim>    &stencils,
-                       const PointArrays<dim> &points) const
+  Stepper<dim>::report(const Solution &solution) const
   {
-    StepReport result;
+    const auto &[stencils, points]    = solution.ground();
+    const StepEquation<dim> &equation = solution.equation();
+    StepReport               result;
     result.step      = step_number + 1;
     result.time_step = solution.time_step;
     result.time      = time + solution.time_step;
-    result.totals =
-      measure(solution.equation->trial(), layout, grid.communicator());
+    result.totals    = measure(equation.trial(), layout, grid.communicator());
     result.kinetic_energy_change =
       result.totals.kinetic_energy -
       measure(points, layout, grid.communicator()).kinetic_energy;
@@ -393,11 +491,11 @@ namespace emmy
       0.5 * start->mass.matrix_norm_square(start->velocity);
     result.kinetic_energy_grid_new =
       0.5 * start->mass.matrix_norm_square(solution.velocity);
-    result.energies = solution.equation->energies(solution.displacement);
+    result.energies          = equation.energies(solution.displacement);
     const StepAccounts books = accounts(
       StepData<dim>{
         stencils, points, *start, time, solution.time_step, &phases},
-      *solution.equation,
+      equation,
       layout,
       method.mapping,
       solution.displacement,
@@ -413,11 +511,34 @@ namespace emmy
                                   grid.communicator());
     result.active_dofs = start->active->n_dofs();
     result.is_damped   = solution.newton.is_damped;
-    result.measures    = measures(solution.equation->trial(), result.time);
-    result.halvings    = solution.halvings;
-    result.notes       = solution.notes;
-    result.findings    = solution.findings;
+    result.measures    = measures(equation.trial(), result.time);
+    if (method.middle)
+      add_geometry_measures(solution, result.measures);
+    result.halvings = solution.halvings;
+    result.notes    = solution.notes;
+    result.findings = solution.findings;
     return result;
+  }
+
+  template <int dim>
+  void
+  Stepper<dim>::add_geometry_measures(const Solution           &solution,
+                                      std::vector<StepMeasure> &measures) const
+  {
+    std::array<double, 4> left{}; // angular momentum x, y, z; cells
+    if (solution.in_middle)
+      {
+        const dealii::Tensor<1, 3> J =
+          solution.in_middle->angular_momentum_left(
+            solution.displacement, solution.equation().trial());
+        for (unsigned int d = 0; d < 3; ++d)
+          left[d] = J[d];
+        left[3] = solution.in_middle->largest_defect();
+      }
+    for (unsigned int d = dim == 2 ? 2 : 0; d < 3; ++d)
+      measures.push_back(
+        {std::string("angular_momentum_left_") + "xyz"[d], left[d]});
+    measures.push_back({"place_defect", left[3]});
   }
 
   template <int dim>

@@ -244,6 +244,17 @@ namespace emmy
       layout.set_effect(domain_update_effect);
       return make_domain_update(method.domain_update, bodies, grid, layout);
     }
+
+    /** Null where the grid is undeformed at the start of a step. */
+    template <int dim>
+    std::unique_ptr<MiddlePlaces<dim>>
+    make_middle(const SceneParameters<dim> &parameters, FieldLayout &layout)
+    {
+      if (!parameters.method.is_at_middle(parameters.time))
+        return nullptr;
+      layout.set_effect(middle_effect);
+      return std::make_unique<MiddlePlaces<dim>>(layout);
+    }
   } // namespace
 
   template <int dim>
@@ -261,6 +272,7 @@ namespace emmy
     , balance(make_effects(parameters, bodies, material_of_body, layout))
     , shape_functions(make_shape_functions<dim>(parameters.method, layout))
     , domain_update(make_updates(parameters.method, bodies, grid, layout))
+    , middle(make_middle<dim>(parameters, layout))
     , mapping(make_mapping(parameters, boundary_conditions, balance))
     , step_rule(make_step_rule(parameters.time, grid, material_of_body, layout))
     , stepper(make_stepper(parameters))
@@ -273,6 +285,8 @@ namespace emmy
                          layout.n_components());
     fill(bodies, grid, layout, particles);
     notes = balance.mark(grid, particles);
+    if (middle)
+      middle->begin(layout, particles);
     for (const auto &measurement : parameters.measurements)
       measurements.push_back(
         measurement->make({bodies, grid, layout, particles}));
@@ -323,7 +337,9 @@ namespace emmy
                                    ? parameters.time.maximum_travel
                                    : 0.,
                                  balance,
-                                 parameters.diagnosis};
+                                 parameters.diagnosis,
+                                 middle.get(),
+                                 parameters.method.geometry_tolerance};
     if (explicit_force)
       return std::make_unique<ExplicitStepper<dim>>(grid,
                                                     boundary_conditions,
@@ -401,7 +417,8 @@ namespace emmy
                    << ", "
                    << (explicit_force
                          ? "explicit steps with the stress at their start"
-                         : method.stress_rule + " stress");
+                         : method.stress_rule + " stress")
+                   << (middle ? ", geometry in the middle of the step" : "");
     if (boundary_conditions.has_walls())
       out << ", " << method.wall_mapping << " walls";
     out << '\n';

@@ -96,6 +96,42 @@ namespace emmy
                   "velocity.",
                   prm,
                   Selection("constrained|unconstrained|inelastic"));
+    add_parameter("Geometry",
+                  geometry,
+                  "Where a step takes its shape functions, mass and loads. "
+                  "start: at the particles' places at its start (Pretti et "
+                  "al. 2023); under compression motion at the size of a cell "
+                  "then grows, with all balances exact. middle: at their "
+                  "places in its middle, which Newton finds. automatic: "
+                  "middle for implicit steps with GIMP, else start.",
+                  prm,
+                  Selection("automatic|middle|start"));
+    add_parameter("Geometry tolerance",
+                  geometry_tolerance,
+                  "How well the places of the middle must hold before a step "
+                  "ends. Unit: cells. Positive.",
+                  prm,
+                  Double());
+  }
+
+  bool
+  MethodParameters::is_at_middle(const TimeParameters &time) const
+  {
+    AssertThrow(geometry_tolerance > 0.,
+                ExcParameter(path(),
+                             "Geometry tolerance",
+                             shortest(geometry_tolerance),
+                             "must be positive (cells); 1e-8 is good."));
+    AssertThrow(geometry != "middle" || !time.is_explicit(),
+                ExcParameter(path(),
+                             "Geometry",
+                             geometry,
+                             "explicit steps take force and strain at the "
+                             "same time and need no middle. Remove it, or set "
+                             "it to start."));
+    return geometry == "middle" ||
+           (geometry == "automatic" && !time.is_explicit() &&
+            shape_functions == "GIMP");
   }
 
   PointMapping

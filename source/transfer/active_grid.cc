@@ -385,6 +385,29 @@ namespace emmy
 
   template <int dim>
   Vector
+  ActiveGrid<dim>::carried_over(const ActiveGrid &from,
+                                const Vector     &vector,
+                                const Vector     &otherwise) const
+  {
+    Vector result = otherwise;
+    // owners of nodes are the same, so this rank knows what it looks for
+    auto known = from.local_index_of.begin();
+    for (const auto &[id, node] : local_index_of)
+      {
+        if (node >= n_owned_nodes())
+          continue;
+        while (known != from.local_index_of.end() && known->first < id)
+          ++known;
+        if (known != from.local_index_of.end() && known->first == id)
+          for (unsigned int c = 0; c < dim; ++c)
+            result.begin()[dim * node + c] =
+              vector.begin()[dim * known->second + c];
+      }
+    return result;
+  }
+
+  template <int dim>
+  Vector
   ActiveGrid<dim>::to_vector(const std::vector<double> &local) const
   {
     Vector result = make_vector();

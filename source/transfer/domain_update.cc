@@ -55,6 +55,24 @@ namespace emmy
             }
       }
 
+      MiddleBox<dim>
+      middle(const PointArrays<dim>       &states,
+             const std::size_t             p,
+             const unsigned int            body,
+             const dealii::Tensor<2, dim> &Z) const override
+      {
+        MiddleBox<dim> box;
+        box.half_length =
+          std::pow(determinant(Z) *
+                     volume_ratio<dim>(states, left_cauchy_green, p),
+                   1. / dim) *
+          initial[body];
+        // d ln det F_mid = tr(Z dL)/2
+        for (unsigned int d = 0; d < dim; ++d)
+          box.by_L[d] = 0.5 / dim * box.half_length[d] * transpose(Z);
+        return box;
+      }
+
     private:
       const std::vector<dealii::Tensor<1, dim>> initial; // of each body
       const unsigned int                        half_length, left_cauchy_green;
@@ -89,13 +107,9 @@ namespace emmy
         for (const auto &group : stencils.groups)
           for (unsigned int q = 0; q < group.n_points; ++q)
             {
-              const std::size_t      p = group.first_point + q;
-              dealii::Tensor<2, dim> F_old;
-              for (unsigned int i = 0; i < dim; ++i)
-                for (unsigned int j = 0; j < dim; ++j)
-                  F_old[i][j] =
-                    points.component(deformation_gradient + dim * i + j)[p];
-              const dealii::Tensor<2, dim> H = stencils.displacement_gradient(
+              const std::size_t            p     = group.first_point + q;
+              const dealii::Tensor<2, dim> F_old = deformation(points, p);
+              const dealii::Tensor<2, dim> H     = stencils.step_gradient(
                 group, q, active.nodes(group), displacement);
               const dealii::Tensor<2, dim> F = F_old + H * F_old;
               for (unsigned int i = 0; i < dim; ++i)
@@ -109,7 +123,76 @@ namespace emmy
             }
       }
 
+      MiddleBox<dim>
+      middle(const PointArrays<dim>       &states,
+             const std::size_t             p,
+             const unsigned int            body,
+             const dealii::Tensor<2, dim> &Z) const override
+      {
+        const dealii::Tensor<2, dim> F = Z * deformation(states, p);
+        MiddleBox<dim>               box;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double l0    = initial[body][d];
+            box.half_length[d] = l0 * (is_stretch ? stretch(F, d) : F[d][d]);
+            box.by_L[d]        = l0 * (is_stretch ? stretch_by_L(F, Z, d)
+                                                  : diagonal_by_L(F, Z, d));
+          }
+        return box;
+      }
+
     private:
+      /** F at t. */
+      dealii::Tensor<2, dim>
+      deformation(const PointArrays<dim> &states, const std::size_t p) const
+      {
+        dealii::Tensor<2, dim> F;
+        for (unsigned int i = 0; i < dim; ++i)
+          for (unsigned int j = 0; j < dim; ++j)
+            F[i][j] = states.component(deformation_gradient + dim * i + j)[p];
+        return F;
+      }
+
+      /** dF_dd/dL, with dF = Z dL F/2. */
+      static dealii::Tensor<2, dim>
+      diagonal_by_L(const dealii::Tensor<2, dim> &F,
+                    const dealii::Tensor<2, dim> &Z,
+                    const unsigned int            d)
+      {
+        dealii::Tensor<2, dim> result;
+        for (unsigned int a = 0; a < dim; ++a)
+          for (unsigned int b = 0; b < dim; ++b)
+            result[a][b] = 0.5 * Z[d][a] * F[b][d];
+        return result;
+      }
+
+      /**
+       * dU_dd/dL: with eigenvectors v_i of F^T F and stretches s_i,
+       * dU_dd = sum_ij v_id v_jd v_i.dC v_j / (s_i + s_j).
+       */
+      static dealii::Tensor<2, dim>
+      stretch_by_L(const dealii::Tensor<2, dim> &F,
+                   const dealii::Tensor<2, dim> &Z,
+                   const unsigned int            d)
+      {
+        const auto C = spectral_decomposition<dim>(
+          mandel::symmetric_part<dim>(transpose(F) * F, 1.));
+        const dealii::Tensor<2, dim> f = F * C.vectors;
+        const dealii::Tensor<2, dim> z = transpose(Z) * f;
+        dealii::Tensor<2, dim>       result;
+        for (unsigned int i = 0; i < dim; ++i)
+          for (unsigned int j = 0; j < dim; ++j)
+            {
+              const double factor =
+                C.vectors[d][i] * C.vectors[d][j] /
+                (std::sqrt(C.values[i]) + std::sqrt(C.values[j]));
+              for (unsigned int a = 0; a < dim; ++a)
+                for (unsigned int b = 0; b < dim; ++b)
+                  result[a][b] += factor * z[a][j] * f[b][i];
+            }
+        return result;
+      }
+
       static std::vector<double>
       unit()
       {
@@ -163,12 +246,15 @@ namespace emmy
               const std::size_t p = group.first_point + q;
               // as the shape functions use it: at most a cell
               const auto l = points.template get<dim>(half_length, p);
+              const dealii::Point<dim> center =
+                stencils.at_middle ? place(stencils, group, q, active)
+                                   : points.point(p);
               dealii::Tensor<1, dim> used, lowest, highest;
               for (unsigned int d = 0; d < dim; ++d)
                 used[d] = std::min(l[d], grid.cell_size()[d]);
               for (unsigned int corner = 0; corner < (1u << dim); ++corner)
                 {
-                  dealii::Point<dim> x = points.point(p);
+                  dealii::Point<dim> x = center;
                   for (unsigned int d = 0; d < dim; ++d)
                     x[d] += (corner >> d) & 1 ? used[d] : -used[d];
                   // the grid ends at its edge, the domain need not
@@ -195,7 +281,30 @@ namespace emmy
             }
       }
 
+      MiddleBox<dim>
+      middle(const PointArrays<dim> &states,
+             const std::size_t       p,
+             const unsigned int,
+             const dealii::Tensor<2, dim> &) const override
+      {
+        return {states.template get<dim>(half_length, p), {}};
+      }
+
     private:
+      /** Where the shape functions see a point: sum S x_A. */
+      static dealii::Point<dim>
+      place(const Stencils<dim>   &stencils,
+            const Group<dim>      &group,
+            const unsigned int     q,
+            const ActiveGrid<dim> &active)
+      {
+        dealii::Point<dim> x;
+        for (unsigned int a = 0; a < group.n_nodes; ++a)
+          x += stencils.value(group, a)[q] *
+               dealii::Tensor<1, dim>(active.position(active.nodes(group)[a]));
+        return x;
+      }
+
       /** With the hats of the group's nodes. */
       dealii::Tensor<1, dim>
       displacement_at(const dealii::Point<dim>  &x,

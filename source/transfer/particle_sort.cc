@@ -141,6 +141,19 @@ namespace emmy
   sort_into_cells(BackgroundGrid<dim>                     &grid,
                   dealii::Particles::ParticleHandler<dim> &particles)
   {
+    for (auto &particle : particles)
+      particle.set_location(grid.clamped(particle.get_location()));
+    sort_into_cells<dim>(grid, particles, [](const auto &particle) {
+      return particle.get_location();
+    });
+  }
+
+  template <int dim>
+  void
+  sort_into_cells(BackgroundGrid<dim>                     &grid,
+                  dealii::Particles::ParticleHandler<dim> &particles,
+                  const PlaceOf<dim>                      &place_of)
+  {
     const auto n_before = particles.n_global_particles();
     std::vector<dealii::Particles::ParticleIterator<dim>> leaving;
     Parcel<dim> moving(particles.n_properties_per_particle());
@@ -153,8 +166,7 @@ namespace emmy
                particle->get_surrounding_cell() == cell;
              ++particle)
           {
-            const dealii::Point<dim> x = grid.clamped(particle->get_location());
-            particle->set_location(x);
+            const dealii::Point<dim> x = grid.clamped(place_of(*particle));
             if (grid.is_in_cell(place, x))
               continue;
             leaving.push_back(particle);
@@ -189,4 +201,12 @@ namespace emmy
   template void
   sort_into_cells<3>(BackgroundGrid<3> &,
                      dealii::Particles::ParticleHandler<3> &);
+  template void
+  sort_into_cells<2>(BackgroundGrid<2> &,
+                     dealii::Particles::ParticleHandler<2> &,
+                     const PlaceOf<2> &);
+  template void
+  sort_into_cells<3>(BackgroundGrid<3> &,
+                     dealii::Particles::ParticleHandler<3> &,
+                     const PlaceOf<3> &);
 } // namespace emmy

@@ -4,21 +4,56 @@
 
 namespace emmy
 {
+  namespace
+  {
+    template <int dim>
+    PointArrays<dim>
+    gather_in_order(
+      const std::vector<dealii::Particles::ParticleIterator<dim>> &particles,
+      const FieldLayout                                           &layout)
+    {
+      const unsigned int n_components = layout.n_components();
+      PointArrays<dim>   points(particles.size(), n_components);
+      for (std::size_t p = 0; p < points.n_points(); ++p)
+        {
+          const auto &particle   = *particles[p];
+          const auto  properties = particle.get_properties();
+          for (unsigned int d = 0; d < dim; ++d)
+            points.position(d)[p] = particle.get_location()[d];
+          for (unsigned int c = 0; c < n_components; ++c)
+            points.component(c)[p] = properties[c];
+        }
+      return points;
+    }
+  } // namespace
+
   template <int dim>
   PointArrays<dim>
   gather(const Stencils<dim> &stencils, const FieldLayout &layout)
   {
-    const unsigned int n_components = layout.n_components();
-    PointArrays<dim>   points(stencils.particles.size(), n_components);
-    for (std::size_t p = 0; p < points.n_points(); ++p)
-      {
-        const auto &particle   = *stencils.particles[p];
-        const auto  properties = particle.get_properties();
-        for (unsigned int d = 0; d < dim; ++d)
-          points.position(d)[p] = particle.get_location()[d];
-        for (unsigned int c = 0; c < n_components; ++c)
-          points.component(c)[p] = properties[c];
-      }
+    return gather_in_order<dim>(stencils.particles, layout);
+  }
+
+  template <int dim>
+  PointArrays<dim>
+  gather(const Places<dim> &places, const FieldLayout &layout)
+  {
+    return gather_in_order<dim>(places.particles, layout);
+  }
+
+  template <int dim>
+  PointArrays<dim>
+  reordered(const PointArrays<dim> &states, const Stencils<dim> &stencils)
+  {
+    PointArrays<dim> points(states.n_points(), states.n_components());
+    const auto       copy = [&](const double *from, double *to) {
+      for (std::size_t p = 0; p < points.n_points(); ++p)
+        to[p] = from[stencils.order[p]];
+    };
+    for (unsigned int d = 0; d < dim; ++d)
+      copy(states.position(d), points.position(d));
+    for (unsigned int c = 0; c < states.n_components(); ++c)
+      copy(states.component(c), points.component(c));
     return points;
   }
 
@@ -65,7 +100,7 @@ namespace emmy
         !start.active->fits(stencils, start.ghost_faces, start.aggregates))
       {
         start.active =
-          std::make_unique<const ActiveGrid<dim>>(stencils,
+          std::make_shared<const ActiveGrid<dim>>(stencils,
                                                   start.ghost_faces,
                                                   start.aggregates,
                                                   grid,
@@ -269,6 +304,14 @@ namespace emmy
   gather<2>(const Stencils<2> &, const FieldLayout &);
   template PointArrays<3>
   gather<3>(const Stencils<3> &, const FieldLayout &);
+  template PointArrays<2>
+  gather<2>(const Places<2> &, const FieldLayout &);
+  template PointArrays<3>
+  gather<3>(const Places<3> &, const FieldLayout &);
+  template PointArrays<2>
+  reordered<2>(const PointArrays<2> &, const Stencils<2> &);
+  template PointArrays<3>
+  reordered<3>(const PointArrays<3> &, const Stencils<3> &);
   template struct GridStart<2>;
   template struct GridStart<3>;
   template class ParticlesToGrid<2>;

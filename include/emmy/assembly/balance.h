@@ -55,6 +55,12 @@ namespace emmy
     std::vector<double>
     loads(const StepData<dim> &step) const;
 
+    /**
+     * The same loads on the points, [dim * p + c], N; empty if there are none.
+     */
+    std::vector<double>
+    point_forces(const StepData<dim> &step) const;
+
     /** Entries of the ledger that terms and loads bring, all zero. */
     std::vector<EnergyEntry>
     energy_entries() const;
@@ -75,6 +81,9 @@ namespace emmy
     evaluate(const Vector &solution, const bool with_jacobian) override;
     const Vector &
     residual() const override;
+    /** With the share of places that follow. */
+    const Vector &
+    reduced_residual() const override;
     Matrix &
     jacobian() override;
     void
@@ -91,6 +100,18 @@ namespace emmy
     size(const Vector &increment) const override;
     const std::string &
     problem() const override;
+
+    /**
+     * In the middle of the step the residual is found from the momentum, and
+     * the velocity v_t is found once Newton has ended: make the residual, with
+     * what it leaves on fixed unknowns, that of v_t.
+     */
+    void
+    set_velocity_at_start();
+
+    /** What this equation was made over. */
+    const StepData<dim> &
+    data() const;
 
     /** The residual before constraints: the reactions on fixed unknowns. */
     const Vector &
@@ -113,11 +134,11 @@ namespace emmy
   private:
     const Balance<dim> &balance;
     const StepData<dim> step;
-    Vector              external_force, full_residual, free_residual;
-    Matrix              tangent;
-    PointArrays<dim>    trial_states;
-    double              force_scale = 0., total_work = 0.;
-    std::string         found;
+    Vector           external_force, full_residual, free_residual, with_places;
+    Matrix           tangent;
+    PointArrays<dim> trial_states;
+    double           force_scale = 0., total_work = 0.;
+    std::string      found;
   };
 } // namespace emmy
 

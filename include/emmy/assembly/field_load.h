@@ -30,6 +30,9 @@ namespace emmy
     void
     add(const StepData<dim> &step,
         std::vector<double> &local_force) const override;
+    void
+    add_at_points(const StepData<dim> &step,
+                  std::vector<double> &point_force) const override;
 
   private:
     const dealii::Tensor<1, dim> vector;

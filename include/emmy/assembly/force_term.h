@@ -13,6 +13,9 @@
 
 namespace emmy
 {
+  template <int dim>
+  class MovingPlaces;
+
   /** All that is fixed while a step is solved. */
   template <int dim>
   struct StepData
@@ -24,6 +27,11 @@ namespace emmy
     double                  time_step; ///< s
     /** Where the time of effects is booked; null: nowhere. */
     Phases *phases = nullptr;
+    /**
+     * Takes what the force does as the particles' places follow, with the
+     * derivative; null where they stay.
+     */
+    MovingPlaces<dim> *moving = nullptr;
   };
 
   /** A displacement that Newton tries. */
@@ -89,6 +97,20 @@ namespace emmy
     /** Add the load to an array over local nodes: [dim * node + c], N. */
     virtual void
     add(const StepData<dim> &step, std::vector<double> &local_force) const = 0;
+
+    /**
+     * Add the load to an array over points, [dim * p + c], N, such that add()
+     * gives sum_p S_Ap f_p. Newton needs it where the particles' places are
+     * unknowns; a load that has no such form adds nothing, and Newton takes
+     * some more iterations.
+     */
+    virtual void
+    add_at_points(const StepData<dim> &step,
+                  std::vector<double> &point_force) const
+    {
+      (void)step;
+      (void)point_force;
+    }
   };
 
   /**

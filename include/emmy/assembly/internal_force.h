@@ -4,6 +4,7 @@
 #include <deal.II/lac/full_matrix.h>
 
 #include <emmy/assembly/stress_states.h>
+#include <emmy/material/middle_step.h>
 
 namespace emmy
 {
@@ -57,6 +58,7 @@ namespace emmy
     struct Assembly
     {
       StressBatch<dim>                             batch;
+      MiddleStep<dim>                              middle;
       std::vector<double>                          nodal_force;
       dealii::FullMatrix<double>                   stiffness;
       std::vector<dealii::types::global_dof_index> dofs;
@@ -75,15 +77,18 @@ namespace emmy
 
     /**
      * The stress of up to max_batch_points points of a group, from point
-     * @p first of the group on, for a displacement at the local nodes.
-     * @return what the stress rule returns
+     * @p first of the group on, for a displacement at the local nodes: that
+     * of the configuration in which the grid is undeformed.
+     * @return index of the first point that is turned inside out; n_points if
+     *   there is none
      */
     unsigned int
     evaluate(const StepData<dim>       &step,
              const Group               &group,
              const unsigned int         first,
              const std::vector<double> &local_displacement,
-             StressBatch<dim>          &batch) const;
+             StressBatch<dim>          &batch,
+             MiddleStep<dim>           &middle) const;
 
     /** Work of the stress at this rank's points, sum V0 P : H, J. Collective.
      */

@@ -29,6 +29,16 @@ namespace emmy
     virtual const Vector &
     residual() const = 0;
 
+    /**
+     * What an increment is found from: residual(), with the share of unknowns
+     * that the equation eliminates by itself.
+     */
+    virtual const Vector &
+    reduced_residual() const
+    {
+      return residual();
+    }
+
     /** The derivative of r; Newton may add to it before it solves. */
     virtual Matrix &
     jacobian() = 0;
@@ -51,6 +61,52 @@ namespace emmy
      */
     virtual double
     size(const Vector &increment) const = 0;
+
+    /**
+     * Take an increment: add it to the solution and let follow what depends on
+     * it. The equation may number its unknowns anew; then both vectors are.
+     * Collective.
+     */
+    virtual void
+    take(Vector &solution, Vector &increment)
+    {
+      solution += increment;
+    }
+
+    /** Halve the increment that was taken last. Collective. */
+    virtual void
+    halve(Vector &solution, Vector &increment)
+    {
+      increment *= 0.5;
+      solution -= increment;
+    }
+
+    /** Undo the last take(). Collective. */
+    virtual void
+    take_back(Vector &solution, Vector &increment)
+    {
+      solution -= increment;
+    }
+
+    /**
+     * Whether what the equation eliminates by itself holds well enough at the
+     * last evaluation to end there.
+     */
+    virtual bool
+    is_settled() const
+    {
+      return true;
+    }
+
+    /**
+     * Begin again from where the first solution was, for a second try; what
+     * moves with the solution stays there from now on. Collective.
+     */
+    virtual void
+    begin_again(Vector &solution, const Vector &first)
+    {
+      solution = first;
+    }
 
     /** What was wrong in the last evaluation, on all ranks; or empty. */
     virtual const std::string &

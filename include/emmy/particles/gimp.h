@@ -61,10 +61,20 @@ namespace emmy
     static EffectCard
     card();
 
-    /** Collective. */
+    using ShapeFunctions<dim>::evaluate;
+
+    Places<dim>
+    places(const dealii::Particles::ParticleHandler<dim> &particles,
+           const BackgroundGrid<dim>                     &grid) const override;
     Stencils<dim>
-    evaluate(const dealii::Particles::ParticleHandler<dim> &particles,
+    evaluate(const Places<dim>         &places,
              const BackgroundGrid<dim> &grid) const override;
+    void
+    differentiate(const Places<dim>                   &places,
+                  const std::size_t                    i,
+                  const typename Stencils<dim>::Group &group,
+                  const BackgroundGrid<dim>           &grid,
+                  PlaceDerivatives<dim>               &result) const override;
 
   private:
     using Cell    = typename BackgroundGrid<dim>::Cell;
@@ -74,9 +84,9 @@ namespace emmy
     /** A particle, and the part of the grid that its domain overlaps. */
     struct Entry
     {
-      typename Stencils<dim>::ParticleIterator particle;
-      unsigned int                             body;
-      Lattice                                  first, last; ///< cells
+      std::size_t  index; ///< among the places
+      unsigned int body;
+      Lattice      first, last; ///< cells
       /** Half-lengths as used, m: shrunk by round-off and clipped. */
       dealii::Tensor<1, dim> half_length;
 
@@ -90,11 +100,13 @@ namespace emmy
 
     /** The particles of this rank, sorted into groups. */
     std::vector<Entry>
-    sorted_entries(const dealii::Particles::ParticleHandler<dim> &particles,
-                   const BackgroundGrid<dim>                     &grid) const;
+    sorted_entries(const Places<dim>         &places,
+                   const BackgroundGrid<dim> &grid) const;
 
-    void
-    set_overlap(const BackgroundGrid<dim> &grid, Entry &entry) const;
+    static void
+    set_overlap(const Places<dim>         &places,
+                const BackgroundGrid<dim> &grid,
+                Entry                     &entry);
 
     /** The nodes of the cells of a group, x fastest; and those cells. */
     void
@@ -107,12 +119,32 @@ namespace emmy
     /** S and grad S of the particles of a group, @p first and following. */
     void
     add_weights(const Entry               *first,
+                const Places<dim>         &places,
                 const BackgroundGrid<dim> &grid,
                 const Group               &group,
                 Stencils<dim>             &stencils) const;
 
     const unsigned int body_component, half_length_component;
   };
+
+  /** The half-length of a box in one direction as it is used. */
+  struct UsedLength
+  {
+    double value;      ///< m
+    double by_x, by_l; ///< how it changes with position and half-length
+  };
+
+  /**
+   * @param l     half-length, m
+   * @param h     cell size, m
+   * @param below from the grid's lower side to the particle, m
+   * @param above from there to the upper side, m
+   */
+  UsedLength
+  used_half_length(const double l,
+                   const double h,
+                   const double below,
+                   const double above);
 
   /**
    * Cells that any rank found to be active, @p found sorted and without

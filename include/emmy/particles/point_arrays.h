@@ -32,6 +32,12 @@ namespace emmy
       return n;
     }
 
+    unsigned int
+    n_components() const
+    {
+      return n == 0 ? 0 : values.size() / n;
+    }
+
     /** Coordinate d of all points, m. */
     double *
     position(const unsigned int d)

@@ -8,6 +8,8 @@
 #include <emmy/base/library.h>
 #include <emmy/grid/background_grid.h>
 #include <emmy/particles/field_layout.h>
+#include <emmy/particles/place_derivatives.h>
+#include <emmy/particles/places.h>
 
 #include <memory>
 #include <string>
@@ -17,10 +19,10 @@ namespace emmy
 {
   /**
    * Which nodes each particle of this rank talks to during a step, and with
-   * what weights: the shape functions S and their gradients at the positions
-   * at t. Particles that share their nodes and their body stand together in a
-   * group, so that the point loops work on contiguous arrays. Made at the
-   * start of each step; never changes within it.
+   * what weights: the shape functions S and their gradients at the particles'
+   * places, those of the start of the step or of its middle. Particles that
+   * share their nodes and their body stand together in a group, so that the
+   * point loops work on contiguous arrays. Never changes once it is made.
    */
   template <int dim>
   struct Stencils
@@ -35,6 +37,10 @@ namespace emmy
       std::size_t  first_node; ///< in node_ids
       unsigned int n_nodes;
       std::size_t  first_value; ///< in values; dim times it in gradients
+      /** Nodes per direction; those of a box, x fastest. */
+      std::array<unsigned int, dim> n_along;
+      /** The first node, m. */
+      dealii::Point<dim> origin;
     };
 
     std::vector<Group> groups;
@@ -46,8 +52,15 @@ namespace emmy
     /** dS/dx_d, 1/m: [(a * dim + d) * n_points + p]. */
     std::vector<double> gradients;
 
-    /** The particle behind each point. */
+    /** The particle behind each point, and its index among the places. */
     std::vector<ParticleIterator> particles;
+    std::vector<std::size_t>      order;
+
+    /**
+     * Whether the grid is undeformed in the middle of the step, at t + dt/2,
+     * and the places are those of then; else all is of the start, t.
+     */
+    bool at_middle = false;
 
     /** The active cells that this rank owns, sorted by their places. */
     std::vector<typename BackgroundGrid<dim>::Cell> active_cells;
@@ -67,7 +80,7 @@ namespace emmy
     }
 
     /**
-     * H = sum u_a (x) grad S_a at point q of a group.
+     * L = sum u_a (x) grad S_a at point q of a group.
      * @param nodes local indices of the group's nodes
      * @param u     displacements at local nodes, [dim * node + c]
      */
@@ -77,12 +90,31 @@ namespace emmy
                           const unsigned int        *nodes,
                           const std::vector<double> &u) const
     {
-      dealii::Tensor<2, dim> H;
+      dealii::Tensor<2, dim> L;
       for (unsigned int a = 0; a < group.n_nodes; ++a)
         for (unsigned int i = 0; i < dim; ++i)
           for (unsigned int j = 0; j < dim; ++j)
-            H[i][j] += u[dim * nodes[a] + i] * gradient(group, a, j)[q];
-      return H;
+            L[i][j] += u[dim * nodes[a] + i] * gradient(group, a, j)[q];
+      return L;
+    }
+
+    /**
+     * H = Delta F - I with respect to positions at t, whichever the grid is
+     * undeformed at: L, or L (I - L/2)^-1 of the middle.
+     */
+    dealii::Tensor<2, dim>
+    step_gradient(const Group               &group,
+                  const unsigned int         q,
+                  const unsigned int        *nodes,
+                  const std::vector<double> &u) const
+    {
+      const auto L = displacement_gradient(group, q, nodes, u);
+      if (!at_middle)
+        return L;
+      dealii::Tensor<2, dim> from_start = -0.5 * L;
+      for (unsigned int d = 0; d < dim; ++d)
+        from_start[d][d] += 1.;
+      return L * invert(from_start);
     }
   };
 
@@ -93,14 +125,38 @@ namespace emmy
   public:
     virtual ~ShapeFunctions() = default;
 
+    /** The particles of this rank where they are now. */
+    virtual Places<dim>
+    places(const dealii::Particles::ParticleHandler<dim> &particles,
+           const BackgroundGrid<dim>                     &grid) const = 0;
+
     /**
-     * The stencils of all particles of this rank. Collective.
+     * The stencils of all particles of this rank at these places. Collective.
      * For every point they satisfy, to round-off, sum S = 1, sum grad S = 0,
      * sum S x = x_p, sum x (x) grad S = I: all conservation laws rest on this.
      */
     virtual Stencils<dim>
+    evaluate(const Places<dim>         &places,
+             const BackgroundGrid<dim> &grid) const = 0;
+
+    /** The same where the particles are now. */
+    Stencils<dim>
     evaluate(const dealii::Particles::ParticleHandler<dim> &particles,
-             const BackgroundGrid<dim>                     &grid) const = 0;
+             const BackgroundGrid<dim>                     &grid) const
+    {
+      return evaluate(places(particles, grid), grid);
+    }
+
+    /**
+     * How the weights of particle @p i of the places change with its place.
+     * @param group the one it is in
+     */
+    virtual void
+    differentiate(const Places<dim>                   &places,
+                  const std::size_t                    i,
+                  const typename Stencils<dim>::Group &group,
+                  const BackgroundGrid<dim>           &grid,
+                  PlaceDerivatives<dim>               &result) const = 0;
   };
 
   /** All values of Method/Shape functions; made with the particles' layout. */
@@ -123,13 +179,38 @@ namespace emmy
     static EffectCard
     card();
 
+    using ShapeFunctions<dim>::evaluate;
+
+    Places<dim>
+    places(const dealii::Particles::ParticleHandler<dim> &particles,
+           const BackgroundGrid<dim>                     &grid) const override;
     Stencils<dim>
-    evaluate(const dealii::Particles::ParticleHandler<dim> &particles,
+    evaluate(const Places<dim>         &places,
              const BackgroundGrid<dim> &grid) const override;
+    void
+    differentiate(const Places<dim>                   &places,
+                  const std::size_t                    i,
+                  const typename Stencils<dim>::Group &group,
+                  const BackgroundGrid<dim>           &grid,
+                  PlaceDerivatives<dim>               &result) const override;
 
   private:
+    /** S and grad S of the points of a group. */
+    static void
+    add_weights(const Places<dim>                   &places,
+                const typename Stencils<dim>::Group &group,
+                const dealii::Tensor<1, dim>        &h,
+                Stencils<dim>                       &stencils);
+
     const unsigned int body_component;
   };
+
+  /** Where the particles of this rank are, without boxes. */
+  template <int dim>
+  Places<dim>
+  places_now(const dealii::Particles::ParticleHandler<dim> &particles,
+             const BackgroundGrid<dim>                     &grid,
+             const unsigned int                             body_component);
 } // namespace emmy
 
 #endif

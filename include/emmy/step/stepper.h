@@ -4,6 +4,7 @@
 #include <emmy/solve/newton.h>
 #include <emmy/step/accounts.h>
 #include <emmy/step/domains_of_step.h>
+#include <emmy/step/middle_equation.h>
 #include <emmy/step/step_size.h>
 #include <emmy/transfer/grid_to_particles.h>
 
@@ -64,20 +65,32 @@ namespace emmy
     /** A solved step that is not yet written to the particles. */
     struct Solution
     {
-      std::unique_ptr<StepEquation<dim>> equation;
-      NewtonResult                       newton;
-      double                             time_step;
-      unsigned int                       halvings = 0;
-      Vector                             displacement, velocity;
-      std::vector<std::string>           notes, findings;
+      /** One of both: places of the start or of the middle. */
+      std::unique_ptr<Ground<dim>>         at_start;
+      std::unique_ptr<MiddleEquation<dim>> in_middle;
+      std::unique_ptr<StepEquation<dim>>   of_start;
+
+      NewtonResult             newton;
+      double                   time_step;
+      unsigned int             halvings = 0;
+      Vector                   displacement, velocity;
+      std::vector<std::string> notes, findings;
+
+      const Ground<dim> &
+      ground() const
+      {
+        return in_middle ? in_middle->ground() : *at_start;
+      }
+      StepEquation<dim> &
+      equation() const
+      {
+        return in_middle ? in_middle->equation() : *of_start;
+      }
     };
 
     /** For the rates in the table of phases. */
     void
     count_points(const std::size_t n_points, const std::size_t n_evaluations);
-    StepSize
-    next_step_size(const Stencils<dim>    &stencils,
-                   const PointArrays<dim> &points) const;
     void
     velocity_from_momentum(const Stencils<dim>    &stencils,
                            const PointArrays<dim> &points,
@@ -88,9 +101,7 @@ namespace emmy
                     const PointArrays<dim> &points) const;
     /** Estimate the conditions of both matrices of a solved step. */
     void
-    examine(const Stencils<dim>    &stencils,
-            const PointArrays<dim> &points,
-            Solution               &solution);
+    examine(Solution &solution);
     /** A line for the log if starved nodes are worse off than ever before. */
     void
     tell_of_followers(Solution &solution);
@@ -106,17 +117,29 @@ namespace emmy
     /** Say why the step fails at its smallest size. Throws on all ranks. */
     void
     give_up(const StepData<dim> &step, Solution &solution) const;
+    /** Stencils and states of the particles where they are. */
+    Ground<dim>
+    ground_at_start();
+    /** Solve the step, with halvings, as the method wants it. */
     Solution
-    solve(const Stencils<dim> &stencils, const PointArrays<dim> &points);
+    solve();
+    /** One try with the geometry of the start, or of the middle. */
+    void
+    try_from_start(Solution &solution);
+    void
+    try_in_middle(Solution &solution);
+    /** The size of the step by the method's rule; notes what limits it. */
+    void
+    choose_size(Solution &solution);
     /** Trial states of an accepted solution: positions, velocities, domains. */
     void
-    move(const Stencils<dim>    &stencils,
-         const PointArrays<dim> &points,
-         Solution               &solution);
+    move(Solution &solution);
     StepReport
-    report(const Solution         &solution,
-           const Stencils<dim>    &stencils,
-           const PointArrays<dim> &points) const;
+    report(const Solution &solution) const;
+    /** What is left of the particles' angular momentum, and of the places. */
+    void
+    add_geometry_measures(const Solution           &solution,
+                          std::vector<StepMeasure> &measures) const;
     /** Those accounts that the method can make differ from zero. */
     std::vector<EnergyEntry>
     account_entries(const StepAccounts &accounts) const;

@@ -6,6 +6,7 @@
 #include <emmy/step/doctor.h>
 #include <emmy/step/step_rule.h>
 #include <emmy/transfer/domain_update.h>
+#include <emmy/transfer/middle_places.h>
 
 namespace emmy
 {
@@ -21,6 +22,12 @@ namespace emmy
     const double               maximum_travel;
     const Balance<dim>        &balance;
     const DiagnosisParameters &diagnosis;
+    /**
+     * Where the grid is undeformed in the middle of a step; null: at its start.
+     */
+    const MiddlePlaces<dim> *middle = nullptr;
+    /** How well places of the middle must hold, in cells. */
+    double geometry_tolerance = 0.;
   };
 
   /**

@@ -60,10 +60,12 @@ namespace emmy
     std::vector<const Material<dim> *> material_of_body;
     FieldLayout                        layout;
     /** Of explicit steps; null with implicit ones. */
-    std::unique_ptr<ExplicitForce<dim>>            explicit_force;
-    Balance<dim>                                   balance;
-    std::unique_ptr<ShapeFunctions<dim>>           shape_functions;
-    std::unique_ptr<DomainUpdate<dim>>             domain_update; ///< GIMP only
+    std::unique_ptr<ExplicitForce<dim>>  explicit_force;
+    Balance<dim>                         balance;
+    std::unique_ptr<ShapeFunctions<dim>> shape_functions;
+    std::unique_ptr<DomainUpdate<dim>>   domain_update; ///< GIMP only
+    /** Where a step looks for its middle first; null: it has none. */
+    std::unique_ptr<MiddlePlaces<dim>>             middle;
     PointMapping                                   mapping;
     std::unique_ptr<StepRule<dim>>                 step_rule;
     dealii::Particles::ParticleHandler<dim>        particles;

@@ -42,17 +42,23 @@ namespace emmy
   class MethodParameters : public Section
   {
   public:
-    std::string shape_functions = "linear";
-    std::string domain_update   = "stretch";
-    std::string mapping         = "FLIP";
-    double      flip_fraction   = -1.; // -1: not given
-    double      lumping         = 0.;
-    std::string stress_rule     = "conserving";
-    std::string wall_mapping    = "constrained";
+    std::string shape_functions    = "linear";
+    std::string domain_update      = "stretch";
+    std::string mapping            = "FLIP";
+    double      flip_fraction      = -1.; // -1: not given
+    double      lumping            = 0.;
+    std::string stress_rule        = "conserving";
+    std::string wall_mapping       = "constrained";
+    std::string geometry           = "automatic";
+    double      geometry_tolerance = 1e-8; // cells
 
     /** @param shape_function_names the values of <Shape functions> */
     explicit MethodParameters(
       const std::vector<std::string> &shape_function_names);
+
+    /** Whether the grid is undeformed in the middle of a step. */
+    bool
+    is_at_middle(const TimeParameters &time) const;
 
     /** Check what belongs to the mapping. Throws ExcParameter. */
     PointMapping

@@ -141,6 +141,16 @@ namespace emmy
     void
     share(std::vector<double> &local) const;
 
+    /**
+     * A vector of the unknowns of another grid over the same cells, on those
+     * of this one; where a node was not active, the values of @p otherwise.
+     * Collective.
+     */
+    Vector
+    carried_over(const ActiveGrid &from,
+                 const Vector     &vector,
+                 const Vector     &otherwise) const;
+
     /** The owned entries of such an array as a vector of unknowns. */
     Vector
     to_vector(const std::vector<double> &local) const;

@@ -12,10 +12,20 @@
 
 namespace emmy
 {
+  /** The half-lengths of a box in the middle of a step. */
+  template <int dim>
+  struct MiddleBox
+  {
+    dealii::Tensor<1, dim> half_length; ///< l_i, m
+    /** dl_i/dL, with L of Stencils::displacement_gradient(), m. */
+    std::array<dealii::Tensor<2, dim>, dim> by_L;
+  };
+
   /**
    * How the domains of GIMP follow the deformation (Coombs et al. 2020): new
    * half-lengths l from those at the start of the run, l0, and the accepted
-   * step. Owned by the scene; used once per accepted step, on trial states.
+   * step. Owned by the scene; used once per accepted step, on trial states,
+   * and, where the step takes its geometry in the middle, while it is solved.
    */
   template <int dim>
   class DomainUpdate
@@ -34,6 +44,18 @@ namespace emmy
                const ActiveGrid<dim>     &active,
                const std::vector<double> &displacement,
                PointArrays<dim>          &trial) const = 0;
+
+    /**
+     * The box of a particle in the middle of a step, where F_mid = Z F_t.
+     * @param states at t
+     * @param p      the particle in them
+     * @param Z      (I - L/2)^-1
+     */
+    virtual MiddleBox<dim>
+    middle(const PointArrays<dim>       &states,
+           const std::size_t             p,
+           const unsigned int            body,
+           const dealii::Tensor<2, dim> &Z) const = 0;
 
     /**
      * What is wrong with the half-lengths on this rank, if anything: they must
@@ -80,7 +102,8 @@ namespace emmy
    * - corners: half the extent of the moved corners of the domain, scaled to
    *   the volume det F prod 2 l0. Of a domain longer than two cells the corners
    *   of the part that the shape functions use are moved, and their extent in
-   *   each direction is scaled up: exact only without shear.
+   *   each direction is scaled up: exact only without shear. In the middle of
+   *   a step the domain is that of its start.
    *
    * @param layout asked for F by diagF and stretch alone
    */

@@ -5,6 +5,8 @@
 
 #include <emmy/grid/background_grid.h>
 
+#include <functional>
+
 namespace emmy
 {
   /**
@@ -24,6 +26,21 @@ namespace emmy
   void
   sort_into_cells(BackgroundGrid<dim>                     &grid,
                   dealii::Particles::ParticleHandler<dim> &particles);
+
+  /** Where a particle shall be sorted to, m. */
+  template <int dim>
+  using PlaceOf = std::function<dealii::Point<dim>(
+    const dealii::Particles::ParticleAccessor<dim> &)>;
+
+  /**
+   * The same for other places than the particles' positions, which stay. One
+   * outside the grid counts as the nearest inside.
+   */
+  template <int dim>
+  void
+  sort_into_cells(BackgroundGrid<dim>                     &grid,
+                  dealii::Particles::ParticleHandler<dim> &particles,
+                  const PlaceOf<dim>                      &place_of);
 } // namespace emmy
 
 #endif

@@ -15,6 +15,16 @@ namespace emmy
   PointArrays<dim>
   gather(const Stencils<dim> &stencils, const FieldLayout &layout);
 
+  /** The same in the order of the places. */
+  template <int dim>
+  PointArrays<dim>
+  gather(const Places<dim> &places, const FieldLayout &layout);
+
+  /** States in the order of the places, in the order of stencils. */
+  template <int dim>
+  PointArrays<dim>
+  reordered(const PointArrays<dim> &states, const Stencils<dim> &stencils);
+
   /** How masses and velocities go to the grid and come back. */
   struct PointMapping
   {
@@ -49,8 +59,11 @@ namespace emmy
   template <int dim>
   struct GridStart
   {
-    /** The active nodes; null before the first step. */
-    std::unique_ptr<const ActiveGrid<dim>> active;
+    /**
+     * The active nodes; null before the first step. Shared with an equation
+     * whose places move: it carries its unknowns over from the grid before.
+     */
+    std::shared_ptr<const ActiveGrid<dim>> active;
     /** Effective mass M~ over all unknowns, without constraints, kg. */
     Matrix mass;
     /**

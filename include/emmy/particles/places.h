@@ -1,0 +1,36 @@
+#ifndef emmy_particles_places_h
+#define emmy_particles_places_h
+
+#include <deal.II/particles/particle_handler.h>
+
+#include <emmy/grid/background_grid.h>
+
+#include <vector>
+
+namespace emmy
+{
+  /**
+   * Where the particles of this rank meet the grid: their positions, cells and
+   * boxes, in the order of the particle handler. The positions of the start
+   * of a step, or others, e.g. those of its middle; so a particle's cell need
+   * not be the one that holds it.
+   */
+  template <int dim>
+  struct Places
+  {
+    std::vector<dealii::Particles::ParticleIterator<dim>> particles;
+    std::vector<unsigned int>                             bodies;
+    std::vector<typename BackgroundGrid<dim>::Lattice>    cells;
+    std::vector<dealii::Point<dim>>                       positions; ///< m
+    /** Of the boxes of GIMP, m; empty where particles are points. */
+    std::vector<dealii::Tensor<1, dim>> half_lengths;
+
+    std::size_t
+    size() const
+    {
+      return particles.size();
+    }
+  };
+} // namespace emmy
+
+#endif

@@ -1,0 +1,130 @@
+#ifndef emmy_step_middle_equation_h
+#define emmy_step_middle_equation_h
+
+#include <emmy/assembly/balance.h>
+#include <emmy/assembly/moving_places.h>
+
+namespace emmy
+{
+  /** The points of a step and the nodes that they talk to. */
+  template <int dim>
+  struct Ground
+  {
+    Stencils<dim>    stencils;
+    PointArrays<dim> points; ///< states at t
+  };
+
+  /**
+   * The balance of a step whose grid is undeformed in its middle: all of the
+   * step, shape functions, mass, momentum, loads and force, is of the places
+   * and boxes that the particles have at t + dt/2 (derived in doc/method.md).
+   * These places are unknowns too. Newton sees the nodes only; here the places
+   * follow each of its increments, and mass, momentum and numbering are made
+   * anew there. What is exact for the energy and for linear momentum is so at
+   * any places; angular momentum is when they have settled.
+   *
+   * Made by the step for each attempt. Cost of an evaluation: that of a
+   * StepEquation, and of stencils, mass and momentum.
+   */
+  template <int dim>
+  class MiddleEquation : public NonlinearEquation
+  {
+  public:
+    /** What an attempt starts from. */
+    struct Start
+    {
+      PlaceRules<dim>                rules;
+      const Balance<dim>            &balance;
+      const BoundaryConditions<dim> &boundary_conditions;
+      ParticlesToGrid<dim>          &particles_to_grid;
+      PointArrays<dim>               states; ///< at t, in the order of places
+      double                         time, time_step; ///< s
+      double                         tolerance;       ///< of places, in cells
+      Phases                        *phases;
+    };
+
+    /** @param guess the first places. Collective. */
+    MiddleEquation(Start start, Places<dim> guess);
+
+    /** Where Newton starts, numbered as the unknowns are now. Collective. */
+    Vector
+    first_displacement() const;
+
+    bool
+    evaluate(const Vector &solution, const bool with_jacobian) override;
+    const Vector &
+    residual() const override;
+    const Vector &
+    reduced_residual() const override;
+    Matrix &
+    jacobian() override;
+    void
+    expand(Vector &increment) const override;
+    double
+    scale() const override;
+    double
+    work_scale() const override;
+    double
+    size(const Vector &increment) const override;
+    void
+    take(Vector &solution, Vector &increment) override;
+    void
+    halve(Vector &solution, Vector &increment) override;
+    void
+    take_back(Vector &solution, Vector &increment) override;
+    bool
+    is_settled() const override;
+    /** Without moving the places any more. */
+    void
+    begin_again(Vector &solution, const Vector &first) override;
+    const std::string &
+    problem() const override;
+
+    /** Whether the places stopped to move before they had settled. */
+    bool
+    has_given_up() const;
+    /** The largest distance of a place from the middle of its step, cells. */
+    double
+    largest_defect() const;
+
+    /**
+     * What the step leaves of the particles' angular momentum without a cause:
+     * sum m (x_mid - x) x dv, kg m^2/s. Collective.
+     * @param trial states at t + dt
+     */
+    dealii::Tensor<1, 3>
+    angular_momentum_left(const Vector           &displacement,
+                          const PointArrays<dim> &trial) const;
+
+    const Ground<dim> &
+    ground() const;
+    /** Mass and momentum at the places; the velocity is left to the caller. */
+    GridStart<dim> &
+    grid_start();
+    StepEquation<dim> &
+    equation();
+
+  private:
+    /** Make the ground at the places, and number the vectors anew. */
+    void
+    renew(Places<dim> new_places, Vector *solution, Vector *increment);
+    /** What is wrong with places: boxes reach cells that this rank misses. */
+    std::string
+    problem_of(const Places<dim> &places) const;
+
+    const Start                            start;
+    const Places<dim>                      first_places;
+    Places<dim>                            places, places_before;
+    std::unique_ptr<Ground<dim>>           current;
+    std::shared_ptr<const ActiveGrid<dim>> active;
+    GridStart<dim>                        *on_grid = nullptr;
+    std::unique_ptr<MovingPlaces<dim>>     moving;
+    std::unique_ptr<StepEquation<dim>>     step_equation;
+    unsigned int                           n_moves   = 0;
+    bool                                   is_frozen = false;
+    double                                 defect    = 0.;
+    std::string                            found;
+  };
+} // namespace emmy
+
+#endif
