@@ -102,10 +102,9 @@ namespace emmy
                   "start: at the particles' places at its start (Pretti et "
                   "al. 2023); under compression motion at the size of a cell "
                   "then grows, with all balances exact. middle: at their "
-                  "places in its middle, which Newton finds. automatic: "
-                  "middle for implicit steps with GIMP, else start.",
+                  "places in its middle, which Newton finds.",
                   prm,
-                  Selection("automatic|middle|start"));
+                  Selection("middle|start"));
     add_parameter("Geometry tolerance",
                   geometry_tolerance,
                   "How well the places of the middle must hold before a step "
@@ -129,9 +128,7 @@ namespace emmy
                              "explicit steps take force and strain at the "
                              "same time and need no middle. Remove it, or set "
                              "it to start."));
-    return geometry == "middle" ||
-           (geometry == "automatic" && !time.is_explicit() &&
-            shape_functions == "GIMP");
+    return geometry == "middle";
   }
 
   PointMapping

@@ -49,7 +49,7 @@ namespace emmy
     double      lumping            = 0.;
     std::string stress_rule        = "conserving";
     std::string wall_mapping       = "constrained";
-    std::string geometry           = "automatic";
+    std::string geometry           = "start";
     double      geometry_tolerance = 1e-8; // cells
 
     /** @param shape_function_names the values of <Shape functions> */
