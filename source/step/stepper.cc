@@ -60,7 +60,7 @@ namespace emmy
 
     // grid -> particles
     const StepReport result = timed("accounts", [&] {
-      move(stencils, points, solution);
+      follow(stencils, points, solution);
       return report(solution, stencils, points);
     });
     timed("grid to particles", [&] {
@@ -69,6 +69,7 @@ namespace emmy
     });
     count_points(points.n_points(), solution.newton.residual_history.size());
     velocity    = std::move(solution.velocity);
+    wall_travel = solution.wall_travel;
     time        = result.time;
     step_number = result.step;
     return result;
@@ -99,47 +100,92 @@ namespace emmy
         if (boundary_conditions.has_moving_walls())
           {
             const auto timed = phases.effect(moving_walls_effect);
-            solution.displacement += start->active->on_walls(
-              boundary_conditions,
-              boundary_conditions.wall_displacements(time, step.time_step));
+            const auto moved =
+              boundary_conditions.wall_displacements(time, step.time_step);
+            for (unsigned int side = 0; side < 2 * dim; ++side)
+              solution.wall_travel[side] = wall_travel[side] + moved[side];
+            boundary_conditions.check_travel(solution.wall_travel, where());
+            solution.displacement +=
+              start->active->on_walls(boundary_conditions, moved);
           }
         start->active->constraints().expand(solution.displacement);
 
+        phases.begin_task(
+          where() + (halvings == 0
+                       ? std::string()
+                       : ", halved " + std::to_string(halvings) + " times"));
         solution.newton = Newton(solver_parameters, *linear_solver, phases)
                             .solve(*solution.equation, solution.displacement);
         if (solution.newton.is_converged)
-          {
-            if (solution.newton.is_damped)
-              solution.notes.push_back(
-                where() +
-                ": Newton converged only with a damped matrix (first " +
-                solution.newton.first_try + ")" +
-                (solution.newton.leaves_rest
-                   ? "; |r| stays at " +
-                       brief(solution.equation->residual().l2_norm() /
-                             solution.equation->scale()) +
-                       " of the forces"
-                   : std::string()));
-            break;
-          }
+          move(stencils, points, solution);
+        if (solution.newton.is_converged)
+          break;
         if (halvings == limits.maximum_halvings)
           give_up(step, solution);
         ++solution.halvings;
-        solution.notes.push_back(where() + ": " + solution.newton.problem +
-                                 "; halved to " + brief(0.5 * step.time_step) +
-                                 " s");
+        const std::string halved =
+          "halved to " + brief(0.5 * step.time_step) + " s";
+        tell(solution, halved, solution.newton.problem + "; " + halved);
       }
-
-    solution.velocity =
-      velocity_new(solution.displacement, start->velocity, solution.time_step);
+    if (solution.newton.is_damped)
+      tell(solution,
+           "Newton needed a damped matrix",
+           "Newton converged only with a damped matrix (first " +
+             solution.newton.first_try + ")" +
+             (solution.newton.leaves_rest
+                ? "; |r| stays at " +
+                    brief(solution.equation->residual().l2_norm() /
+                          solution.equation->scale()) +
+                    " of the forces"
+                : std::string()));
     return solution;
+  }
+
+  template <int dim>
+  void
+  Stepper<dim>::tell(Solution          &solution,
+                     const std::string &for_screen,
+                     const std::string &for_log)
+  {
+    solution.notes.push_back(where() + ": " + for_screen);
+    solution.findings.push_back(where() + ": " + for_log);
+    if (has_struggled || solution.leaves_grid)
+      return;
+    has_struggled = true;
+    solution.notes.push_back("  why, and why later ones: run.log. " + remedy());
+  }
+
+  template <int dim>
+  std::string
+  Stepper<dim>::remedy() const
+  {
+    std::vector<std::string> settings;
+    if (!layout.has("half_length"))
+      settings.push_back("Method/Shape functions = GIMP");
+    if (!method.balance.aggregation())
+      settings.push_back("Method/Starved nodes = follow");
+    return settings.empty()
+             ? std::string()
+             : "What helps most often: " + join(settings, " and ") + ". ";
   }
 
   template <int dim>
   void
   Stepper<dim>::give_up(const StepData<dim> &step, Solution &solution) const
   {
-    std::string verdict, remedy;
+    throw_together(grid.communicator(),
+                   where(),
+                   solution.leaves_grid
+                     ? solution.newton.problem + ", with the step halved " +
+                         std::to_string(limits.maximum_halvings) +
+                         " times to " + brief(step.time_step) + " s"
+                     : std::string(),
+                   "the last accepted state was kept. Enlarge the grid "
+                   "(Grid/Lower corner, Upper corner), end the run earlier "
+                   "(Time/End time), fix that side (Boundary conditions), or, "
+                   "where it is a wall already, take smaller steps "
+                   "(Time/Factor or Step size).");
+    std::string verdict, cut_remedy;
     if (can_diagnose())
       {
         // What Newton left may be damped. Where the equation has no meaning
@@ -161,7 +207,7 @@ namespace emmy
           "; " +
           diagnosis.verdict(has_jacobian ? "Jacobian" : "mass matrix", limit);
         if (diagnosis.is_above(limit) && !diagnosis.nodes.empty())
-          remedy = small_cut_remedy(method.balance, method.mapping);
+          cut_remedy = small_cut_remedy(method.balance, method.mapping);
       }
     throw_together(
       grid.communicator(),
@@ -169,7 +215,7 @@ namespace emmy
       "Newton does not converge, with the step halved " +
         std::to_string(limits.maximum_halvings) + " times to " +
         brief(step.time_step) + " s: " + solution.newton.problem + verdict,
-      "the last accepted state was kept. " + remedy +
+      "the last accepted state was kept. " + remedy() + cut_remedy +
         "Use more Points per direction, a larger Solver/Maximum iterations, a "
         "smaller Time/Factor or Step size, or a stiffer or finer model; "
         "Time/Maximum halvings allows smaller steps.");
@@ -256,30 +302,40 @@ namespace emmy
                      const PointArrays<dim> &points,
                      Solution               &solution)
   {
-    PointArrays<dim> &trial = solution.equation->trial();
-    throw_together(
-      grid.communicator(),
-      where(),
-      move_points(stencils,
-                  points,
-                  *start,
-                  grid,
-                  layout,
-                  method.mapping.flip_fraction,
-                  solution.displacement,
-                  solution.velocity,
-                  trial),
-      "the step was not accepted. Enlarge the grid (Grid/Lower "
-      "corner, Upper corner), end the run earlier (Time/End "
-      "time), fix that side (Boundary conditions), or, if it moves, "
-      "slow it down.");
+    solution.velocity =
+      velocity_new(solution.displacement, start->velocity, solution.time_step);
+    const auto        timed = phases.scope("accounts");
+    const std::string problem =
+      agree_on_problem(grid.communicator(),
+                       move_points(stencils,
+                                   points,
+                                   *start,
+                                   grid,
+                                   layout,
+                                   method.mapping.flip_fraction,
+                                   solution.displacement,
+                                   solution.velocity,
+                                   solution.equation->trial()));
+    solution.leaves_grid = !problem.empty();
+    if (!solution.leaves_grid)
+      return;
+    solution.newton.is_converged = false;
+    solution.newton.problem      = problem;
+  }
+
+  template <int dim>
+  void
+  Stepper<dim>::follow(const Stencils<dim>    &stencils,
+                       const PointArrays<dim> &points,
+                       Solution               &solution)
+  {
     const std::string note =
       domains.follow(stencils,
                      points,
                      *start->active,
                      start->active->to_local(solution.displacement),
                      where(),
-                     trial);
+                     solution.equation->trial());
     if (!note.empty())
       solution.notes.push_back(note);
   }

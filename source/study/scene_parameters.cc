@@ -306,12 +306,18 @@ namespace emmy
   dimension_of(const ParameterFile &file)
   {
     const std::string dimension = file.value("Dimension", "");
+    const std::string meant =
+      dimension.empty() ? nearest_name("Dimension", file.entries_of("")) : "";
     AssertThrow(dimension == "2" || dimension == "3",
                 ExcParameter("",
                              "Dimension",
                              dimension,
-                             "it is required and must be 2 (plane strain) or "
-                             "3."));
+                             (meant.empty() ? std::string()
+                                            : "did you mean <Dimension>? The "
+                                              "file has <" +
+                                                meant + ">. ") +
+                               "it is required and must be 2 (plane strain) "
+                               "or 3."));
     return dimension == "2" ? 2 : 3;
   }
 

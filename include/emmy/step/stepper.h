@@ -31,10 +31,12 @@ namespace emmy
 
     /**
      * One step. A step that does not converge leaves no trace and is tried
-     * again with half its size. Collective.
+     * again with half its size; so is one in which a particle would leave the
+     * grid. Collective.
      *
      * Throws ExcRun on all ranks, with the particles as they were, if the
-     * step converges at no allowed size, or a particle would leave the grid.
+     * step converges at no allowed size, or a particle leaves the grid in all
+     * of them.
      */
     StepReport
     advance() override;
@@ -64,12 +66,14 @@ namespace emmy
     /** A solved step that is not yet written to the particles. */
     struct Solution
     {
-      std::unique_ptr<StepEquation<dim>> equation;
-      NewtonResult                       newton;
-      double                             time_step;
-      unsigned int                       halvings = 0;
-      Vector                             displacement, velocity;
-      std::vector<std::string>           notes, findings;
+      std::unique_ptr<StepEquation<dim>>      equation;
+      NewtonResult                            newton;
+      double                                  time_step;
+      unsigned int                            halvings    = 0;
+      bool                                    leaves_grid = false;
+      Vector                                  displacement, velocity;
+      typename BoundaryConditions<dim>::Sides wall_travel{};
+      std::vector<std::string>                notes, findings;
     };
 
     /** For the rates in the table of phases. */
@@ -108,11 +112,25 @@ namespace emmy
     give_up(const StepData<dim> &step, Solution &solution) const;
     Solution
     solve(const Stencils<dim> &stencils, const PointArrays<dim> &points);
-    /** Trial states of an accepted solution: positions, velocities, domains. */
+    /** A short line for the screen, and a long one for the log. */
+    void
+    tell(Solution &solution, const std::string &what, const std::string &why);
+    /** What helps most often where Newton struggles; if it is not used yet. */
+    std::string
+    remedy() const;
+    /**
+     * Positions and velocities at the end of a solved step, in its trial
+     * states. Where a particle leaves the grid the step has not converged.
+     */
     void
     move(const Stencils<dim>    &stencils,
          const PointArrays<dim> &points,
          Solution               &solution);
+    /** Trial states of an accepted solution: domains. */
+    void
+    follow(const Stencils<dim>    &stencils,
+           const PointArrays<dim> &points,
+           Solution               &solution);
     StepReport
     report(const Solution         &solution,
            const Stencils<dim>    &stencils,
@@ -142,9 +160,11 @@ namespace emmy
     /** Of all steps. */
     std::uint64_t most_free_starved  = 0;
     double        largest_weight     = 0.;
-    bool          has_limited_travel = false;
-    unsigned int  step_number        = 0;
-    double        time               = 0.;
+    bool          has_limited_travel = false, has_struggled = false;
+    /** How far walls have moved, m. */
+    typename BoundaryConditions<dim>::Sides wall_travel{};
+    unsigned int                            step_number = 0;
+    double                                  time        = 0.;
   };
 } // namespace emmy
 
