@@ -158,7 +158,7 @@ refused 'missing Points per direction' \
   '<Bodies/block/Points per direction>|required' less.prm
 sed 's/set Dimension/set dimension/' base.prm >less.prm
 refused 'Dimension in small letters' \
-  '<Dimension> is <>|did you mean <Dimension>? The file has <dimension>' less.prm
+  '<Dimension> is <>|Did you mean <Dimension>? The file has <dimension>' less.prm
 rm less.prm
 
 echo "Bodies"
