@@ -212,7 +212,7 @@ namespace
     for (unsigned int trial = 0; trial < 20; ++trial)
       {
         std::vector<Part> parts(50);
-        const double      speed = std::pow(10., 1.5 * unit(generator));
+        const double      speed = std::pow(10., 1. + unit(generator));
         for (Part &part : parts)
           for (unsigned int d = 0; d < dim; ++d)
             {
