@@ -211,12 +211,12 @@ namespace
     double                                 shortest = 1.;
     for (unsigned int trial = 0; trial < 20; ++trial)
       {
-        std::vector<Part> parts(50);
+        std::vector<Part> parts(25);
         const double      speed = std::pow(10., 1. + unit(generator));
         for (Part &part : parts)
           for (unsigned int d = 0; d < dim; ++d)
             {
-              part.x[d] = 30. * unit(generator);
+              part.x[d] = 10. * unit(generator);
               part.v[d] = speed * unit(generator);
             }
         double by_pairs = 1.;
