@@ -41,7 +41,9 @@ namespace
         }
       boundary_parameters.roller = {"x-max"};
       grid =
-        std::make_unique<BackgroundGrid<dim>>(grid_parameters, MPI_COMM_WORLD);
+        std::make_unique<BackgroundGrid<dim>>(grid_parameters,
+                                              MPI_COMM_WORLD,
+                                              BackgroundGrid<dim>::Cells::none);
       boundary_conditions =
         std::make_unique<BoundaryConditions<dim>>(boundary_parameters, *grid);
     }
