@@ -290,6 +290,17 @@ namespace emmy
   }
 
 
+  std::vector<std::string>
+  ParameterFile::entries_of(const std::string &section) const
+  {
+    std::vector<std::string> result;
+    for (const Statement &statement : statements)
+      if (!statement.opens_section && join(statement.section, "/") == section)
+        result.push_back(statement.name);
+    return result;
+  }
+
+
   bool
   ParameterFile::has_section(const std::string &path) const
   {

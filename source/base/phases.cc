@@ -102,6 +102,28 @@ namespace emmy
   }
 
 
+  void
+  Phases::set_listener(std::function<void(const std::string &)> listener)
+  {
+    this->listener = std::move(listener);
+  }
+
+
+  void
+  Phases::begin_task(const std::string &task)
+  {
+    this->task = task;
+  }
+
+
+  void
+  Phases::tell(const std::string &news) const
+  {
+    if (listener)
+      listener(task + ": " + news);
+  }
+
+
   std::vector<Phases::Row>
   Phases::rows() const
   {

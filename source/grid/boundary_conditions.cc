@@ -35,8 +35,9 @@ namespace emmy
                       std::to_string(dim) +
                       " components separated by ; for a side in <Fixed>, the "
                       "normal one for a side in <Roller>. Unit: m/s. Empty: "
-                      "at rest. The grid stays where it is: the side carries "
-                      "along what touches it.");
+                      "at rest. The grid stays where it is, so a side can move "
+                      "along itself only: at most 1 % of a cell along its "
+                      "normal in all.");
   }
 
   std::vector<std::string>
@@ -206,6 +207,89 @@ namespace emmy
           result[side] += gauss.weight(q) * time_step * velocity[side];
       }
     return result;
+  }
+
+  namespace
+  {
+    /** Of a side along its normal in all; in cells. */
+    constexpr double largest_normal_travel = 0.01;
+
+    constexpr const char *instead_of_travel =
+      "A side may move along its normal by at most 1 % of a cell in all: the "
+      "grid stays where it is, so the wall would act where the grid ends and "
+      "not where the wall is. What it presses would get about half of the "
+      "work and pass through it, what it draws would leave the grid. Let the "
+      "side move along itself (normal component 0). To press or draw a body, "
+      "give it a point load, or let a stiff, heavy second body push it; rigid "
+      "tools that move through the grid are not there yet.";
+  } // namespace
+
+  template <int dim>
+  double
+  BoundaryConditions<dim>::allowed_travel(const unsigned int side) const
+  {
+    return largest_normal_travel * grid.cell_size()[side / 2];
+  }
+
+  template <int dim>
+  void
+  BoundaryConditions<dim>::check_run(const double end_time) const
+  {
+    constexpr unsigned int  n_parts = 4096;
+    const dealii::QGauss<1> gauss(4);
+    for (unsigned int side = 0; side < 2 * dim; ++side)
+      {
+        if (!motion[side] || !is_wall(side) || !(end_time > 0.))
+          continue;
+        // of the components that are given, the normal one
+        const unsigned int entry =
+          fixed_on_side[side].count() == 1 ? 0 : side / 2;
+        const double dt = end_time / n_parts, allowed = allowed_travel(side);
+        double       travel = 0., passed_at = -1., farthest = 0.;
+        for (unsigned int part = 0; part < n_parts && std::isfinite(travel);
+             ++part)
+          {
+            for (unsigned int q = 0; q < gauss.size(); ++q)
+              travel += gauss.weight(q) * dt *
+                        motion[side]->value(dealii::Point<1>(
+                                              (part + gauss.point(q)[0]) * dt),
+                                            entry);
+            if (!(std::abs(travel) > allowed) || !std::isfinite(travel))
+              continue;
+            if (passed_at < 0.)
+              passed_at = (part + 1) * dt;
+            farthest = std::max(farthest, std::abs(travel));
+          }
+        const double h = grid.cell_size()[side / 2];
+        AssertThrow(
+          passed_at < 0.,
+          ExcParameter(section,
+                       "Velocity of " + side_names(dim)[side],
+                       join(motion[side]->get_expressions(), "; "),
+                       "the side would move along its normal by " +
+                         brief(farthest) + " m, " + brief(farthest / h) +
+                         " cells, and passes 1 % of a cell at t = " +
+                         brief(passed_at) + " s. " + instead_of_travel));
+      }
+  }
+
+  template <int dim>
+  void
+  BoundaryConditions<dim>::check_travel(const Sides       &travel,
+                                        const std::string &where) const
+  {
+    for (unsigned int side = 0; side < 2 * dim; ++side)
+      {
+        const double along = std::abs(travel[side][side / 2]);
+        AssertThrow(along <= allowed_travel(side),
+                    ExcRun(where,
+                           "the side " + side_names(dim)[side] +
+                             " would have moved by " + brief(along) + " m, " +
+                             brief(along / grid.cell_size()[side / 2]) +
+                             " cells, along its normal",
+                           "the last accepted state was kept. " +
+                             std::string(instead_of_travel)));
+      }
   }
 
   template <int dim>

@@ -41,14 +41,17 @@ namespace emmy
                      const bool         screen_is_terminal,
                      std::ostream      &log,
                      const double       end_time,
-                     const unsigned int maximum_steps)
+                     const unsigned int maximum_steps,
+                     const double       patience)
     : screen(screen)
     , screen_is_terminal(screen_is_terminal)
     , log(log)
     , end_time(end_time)
     , maximum_steps(maximum_steps)
+    , patience(patience)
     , start(Clock::now())
     , last_shown(start)
+    , last_step(start)
   {}
 
 
@@ -71,6 +74,7 @@ namespace emmy
       start_fraction = shown_fraction =
         fraction(std::max(step, 1u) - 1, time - dt);
     ++steps_seen;
+    last_step = Clock::now();
 
     last_line = line(step, time, dt, newton_iterations, relative_balance);
     last_line_is_shown = false;
@@ -87,6 +91,28 @@ namespace emmy
         shown_fraction = done;
         show_on_screen();
       }
+  }
+
+
+  void
+  Progress::working(const std::string &news)
+  {
+    const auto   now = Clock::now();
+    const double seconds =
+                   std::chrono::duration<double>(now - last_step).count(),
+                 quiet =
+                   std::chrono::duration<double>(now - last_shown).count();
+    // a terminal is redrawn; other screens keep each line
+    if (seconds < patience ||
+        quiet < (screen_is_terminal ? 0.2 : 2.) * patience)
+      return;
+    const std::string text = news + " (" + clock_time(seconds) + ")";
+    if (screen_is_terminal)
+      screen << wipe << no_wrap << text << wrap;
+    else
+      screen << text << "\n";
+    screen << std::flush;
+    last_shown = now;
   }
 
 

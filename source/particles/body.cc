@@ -3,6 +3,7 @@
 #include <emmy/base/formula.h>
 #include <emmy/grid/boundary_conditions.h>
 #include <emmy/particles/body.h>
+#include <emmy/particles/particle_lattice.h>
 
 #include <algorithm>
 #include <cmath>
@@ -33,10 +34,20 @@ namespace emmy
       points_per_direction,
       "Each cell is divided into this number of boxes in "
       "each direction; a box whose centre is in the shape "
-      "becomes a particle. The mass is that of these boxes: faces of the "
-      "body should lie on faces of boxes. Required.",
+      "becomes a particle, with the mass of its box. A box that does not "
+      "fit is divided itself, see <Particle layout>. Required.",
       this->prm,
       dealii::Patterns::Integer(0));
+    this->add_parameter(
+      "Particle layout",
+      particle_layout,
+      "What is divided into the boxes of particles. body: a box is divided "
+      "itself, into boxes whose size is as near as it can be to that of the "
+      "cells' boxes, so that it stands where it is written; for other shapes "
+      "the cells. cells: always the cells, whose boxes can stick out of the "
+      "body or leave it uncovered by half their size.",
+      this->prm,
+      dealii::Patterns::Selection("body|cells"));
     this->add_parameter("Initial velocity",
                         initial_velocity,
                         "Components separated by ;, each a formula in x, y "
@@ -94,6 +105,7 @@ namespace emmy
     body.material             = material;
     body.density              = density;
     body.points_per_direction = parameters.points_per_direction;
+    body.divides_box          = parameters.particle_layout == "body";
     body.shape                = parameters.shape().make();
     for (const std::string &side : parameters.cut_by)
       body.cut_by.set(side_number(side, dim, parameters.path(), "Cut by"));
@@ -112,35 +124,6 @@ namespace emmy
         dealii::FunctionParser<dim>::default_variable_names() + ", e.g. " +
         (dim == 2 ? "0.75; 0" : "0.75; 0; 0") + ".");
     return body;
-  }
-
-  template <int dim>
-  std::vector<Point<dim>>
-  points_in_cell(const Body<dim>                             &body,
-                 const BackgroundGrid<dim>                   &grid,
-                 const typename BackgroundGrid<dim>::Lattice &cell)
-  {
-    const Point<dim>              lower = grid.corner(cell);
-    const auto                    box   = body.shape->bounding_box();
-    const dealii::Tensor<1, dim> &h     = grid.cell_size();
-    for (unsigned int d = 0; d < dim; ++d)
-      if (lower[d] > box.upper_bound(d) || lower[d] + h[d] < box.lower_bound(d))
-        return {};
-
-    const unsigned int      n = body.points_per_direction;
-    std::vector<Point<dim>> points;
-    for (unsigned int k = 0; k < (dim == 3 ? n : 1); ++k)
-      for (unsigned int j = 0; j < n; ++j)
-        for (unsigned int i = 0; i < n; ++i)
-          {
-            const std::array<unsigned int, 3> index{{i, j, k}};
-            Point<dim>                        center;
-            for (unsigned int d = 0; d < dim; ++d)
-              center[d] = lower[d] + (index[d] + 0.5) / n * h[d];
-            if (body.shape->contains(center))
-              points.push_back(center);
-          }
-    return points;
   }
 
   namespace
@@ -190,15 +173,17 @@ namespace emmy
                        rank    = this_mpi_process(grid.communicator());
     std::vector<typename BackgroundGrid<dim>::Occupied> result;
     for (const Body<dim> &body : bodies)
-      for_each_cell<dim>(reached_cells(*body.shape, grid),
-                         [&](const auto &cell) {
-                           // ranks take the layers in turn
-                           if (cell[dim - 1] % n_ranks == rank)
-                             if (const auto points =
-                                   points_in_cell(body, grid, cell);
-                                 !points.empty())
-                               result.emplace_back(cell, points.size());
-                         });
+      {
+        const ParticleLattice<dim> lattice(body, grid);
+        for_each_cell<dim>(reached_cells(*body.shape, grid),
+                           [&](const auto &cell) {
+                             // ranks take the layers in turn
+                             if (cell[dim - 1] % n_ranks == rank)
+                               if (const auto points = lattice.points_in(cell);
+                                   !points.empty())
+                                 result.emplace_back(cell, points.size());
+                           });
+      }
     return result;
   }
 
@@ -206,7 +191,7 @@ namespace emmy
   dealii::Tensor<1, dim>
   initial_half_length(const Body<dim> &body, const BackgroundGrid<dim> &grid)
   {
-    return 0.5 / body.points_per_direction * grid.cell_size();
+    return ParticleLattice<dim>(body, grid).half_length();
   }
 
   namespace
@@ -324,7 +309,10 @@ namespace emmy
       const auto                 pairs = bodies_at_cells(cells, bodies, grid);
       std::vector<Filling<dim>>  result;
       std::vector<unsigned long> n_points(bodies.size(), 0);
-      std::string                cut, overlap;
+      std::vector<ParticleLattice<dim>> lattices;
+      for (const Body<dim> &body : bodies)
+        lattices.emplace_back(body, grid);
+      std::string cut, overlap;
       for (auto first = pairs.begin(); first != pairs.end();)
         {
           auto last = first;
@@ -333,11 +321,8 @@ namespace emmy
           for (auto here = first; here != last; ++here)
             {
               const auto &[c, b] = *here;
-              Filling<dim> filling{cells[c],
-                                   b,
-                                   points_in_cell(bodies[b],
-                                                  grid,
-                                                  grid.lattice(cells[c]))};
+              Filling<dim> filling{
+                cells[c], b, lattices[b].points_in(grid.lattice(cells[c]))};
               n_points[b] += filling.points.size();
               for (const Point<dim> &point : filling.points)
                 {
@@ -407,11 +392,14 @@ namespace emmy
       sum_below_and_total(n_local, communicator).first;
 
     const unsigned int velocity = layout["velocity"], mass = layout["mass"],
-                       volume            = layout["reference_volume"],
-                       body              = layout["body"];
-    const dealii::Tensor<1, dim> &h      = grid.cell_size();
-    std::vector<double>           values = layout.initial_values();
-    std::string                   wrong_velocity;
+                       volume                = layout["reference_volume"],
+                       body                  = layout["body"];
+    const dealii::Tensor<1, dim>     &h      = grid.cell_size();
+    std::vector<double>               values = layout.initial_values();
+    std::string                       wrong_velocity;
+    std::vector<ParticleLattice<dim>> lattices;
+    for (const Body<dim> &from : bodies)
+      lattices.emplace_back(from, grid);
     particles.reserve(n_local);
     for (const Filling<dim> &filling : fillings)
       {
@@ -419,12 +407,12 @@ namespace emmy
         values[body]          = filling.body;
         values[volume]        = 1.;
         for (unsigned int d = 0; d < dim; ++d)
-          values[volume] *= h[d] / from.points_per_direction;
+          values[volume] *= lattices[filling.body].spacing()[d];
         values[mass] = from.density * values[volume];
         if (layout.has("half_length"))
           for (unsigned int d = 0; d < dim; ++d)
             values[layout["half_length"] + d] =
-              initial_half_length(from, grid)[d];
+              lattices[filling.body].half_length()[d];
         const Point<dim> corner = grid.corner(grid.lattice(filling.cell));
         for (const Point<dim> &point : filling.points)
           {
@@ -439,7 +427,8 @@ namespace emmy
               }
             Point<dim> reference;
             for (unsigned int d = 0; d < dim; ++d)
-              reference[d] = (point[d] - corner[d]) / h[d];
+              reference[d] =
+                std::min(1., std::max(0., (point[d] - corner[d]) / h[d]));
             particles.insert_particle(
               point,
               reference,
@@ -456,24 +445,20 @@ namespace emmy
     particles.update_cached_numbers();
   }
 
-#define INSTANTIATE(dim)                                                       \
-  template class BodyParameters<dim>;                                          \
-  template Body<dim>               make_body<dim>(const std::string &,         \
+#define INSTANTIATE(dim)                                         \
+  template class BodyParameters<dim>;                            \
+  template Body<dim> make_body<dim>(const std::string &,         \
                                     const BodyParameters<dim> &, \
                                     const unsigned int,          \
                                     const double);               \
-  template std::vector<Point<dim>> points_in_cell<dim>(                        \
-    const Body<dim> &,                                                         \
-    const BackgroundGrid<dim> &,                                               \
-    const typename BackgroundGrid<dim>::Lattice &);                            \
-  template std::vector<typename BackgroundGrid<dim>::Occupied>                 \
-  occupied_cells<dim>(const std::vector<Body<dim>> &,                          \
-                      const BackgroundGrid<dim> &);                            \
-  template dealii::Tensor<1, dim> initial_half_length<dim>(                    \
-    const Body<dim> &, const BackgroundGrid<dim> &);                           \
-  template void fill<dim>(const std::vector<Body<dim>> &,                      \
-                          const BackgroundGrid<dim> &,                         \
-                          const FieldLayout &,                                 \
+  template std::vector<typename BackgroundGrid<dim>::Occupied>   \
+  occupied_cells<dim>(const std::vector<Body<dim>> &,            \
+                      const BackgroundGrid<dim> &);              \
+  template dealii::Tensor<1, dim> initial_half_length<dim>(      \
+    const Body<dim> &, const BackgroundGrid<dim> &);             \
+  template void fill<dim>(const std::vector<Body<dim>> &,        \
+                          const BackgroundGrid<dim> &,           \
+                          const FieldLayout &,                   \
                           dealii::Particles::ParticleHandler<dim> &);
   INSTANTIATE(2)
   INSTANTIATE(3)

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 namespace emmy
 {
@@ -356,41 +355,6 @@ namespace emmy
     return stencils;
   }
 
-  template <int dim>
-  std::vector<typename BackgroundGrid<dim>::Cell>
-  owned_among_active(
-    const std::vector<typename BackgroundGrid<dim>::Cell> &found,
-    const BackgroundGrid<dim>                             &grid)
-  {
-    using Lattice = typename BackgroundGrid<dim>::Lattice;
-    std::vector<Lattice>                         places;
-    std::map<unsigned int, std::vector<Lattice>> of_others;
-    for (const auto &cell : found)
-      if (cell->is_locally_owned())
-        places.push_back(grid.lattice(cell));
-      else
-        of_others[cell->subdomain_id()].push_back(grid.lattice(cell));
-    if (dealii::Utilities::MPI::n_mpi_processes(grid.communicator()) > 1)
-      for (const auto &[sender, lattices] :
-           dealii::Utilities::MPI::some_to_some(grid.communicator(), of_others))
-        {
-          (void)sender;
-          places.insert(places.end(), lattices.begin(), lattices.end());
-        }
-    std::sort(places.begin(), places.end());
-    places.erase(std::unique(places.begin(), places.end()), places.end());
-    std::vector<typename BackgroundGrid<dim>::Cell> owned;
-    for (const Lattice &place : places)
-      owned.push_back(grid.cell_at(place));
-    return owned;
-  }
-
   template class GimpShapeFunctions<2>;
   template class GimpShapeFunctions<3>;
-  template std::vector<BackgroundGrid<2>::Cell>
-  owned_among_active<2>(const std::vector<BackgroundGrid<2>::Cell> &,
-                        const BackgroundGrid<2> &);
-  template std::vector<BackgroundGrid<3>::Cell>
-  owned_among_active<3>(const std::vector<BackgroundGrid<3>::Cell> &,
-                        const BackgroundGrid<3> &);
 } // namespace emmy

@@ -98,6 +98,19 @@ namespace emmy
         return box.volume();
       }
 
+      bool
+      center(Point<dim> &center) const override
+      {
+        center = box.center();
+        return true;
+      }
+
+      bool
+      is_box() const override
+      {
+        return true;
+      }
+
       BoundingBox<dim>
       bounding_box() const override
       {
@@ -137,14 +150,14 @@ namespace emmy
     {
     public:
       Ball(const Point<dim> &center, const double radius)
-        : center(center)
+        : middle(center)
         , radius(radius)
       {}
 
       bool
       contains(const Point<dim> &position) const override
       {
-        return position.distance_square(center) <= radius * radius;
+        return position.distance_square(middle) <= radius * radius;
       }
 
       double
@@ -154,10 +167,17 @@ namespace emmy
         return dim == 2 ? disc : 4. / 3. * disc * radius;
       }
 
+      bool
+      center(Point<dim> &center) const override
+      {
+        center = middle;
+        return true;
+      }
+
       BoundingBox<dim>
       bounding_box() const override
       {
-        Point<dim> lower = center, upper = center;
+        Point<dim> lower = middle, upper = middle;
         for (unsigned int d = 0; d < dim; ++d)
           {
             lower[d] -= radius;
@@ -167,7 +187,7 @@ namespace emmy
       }
 
     private:
-      const Point<dim> center;
+      const Point<dim> middle;
       const double     radius;
     };
 
@@ -225,6 +245,13 @@ namespace emmy
       volume() const override
       {
         return dealii::numbers::PI * radius * radius * length;
+      }
+
+      bool
+      center(Point<dim> &center) const override
+      {
+        center = base + 0.5 * length * axis;
+        return true;
       }
 
       BoundingBox<dim>

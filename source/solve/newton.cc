@@ -160,6 +160,9 @@ namespace emmy
       const double norm_before = norm;
       norm                     = equation.residual().l2_norm();
       result.residual_history.push_back(norm);
+      newton.phases.tell("Newton iteration " +
+                         std::to_string(result.iterations) +
+                         ", |r| = " + brief(norm) + " N");
       result.work_history.push_back(
         absolute_product(equation.residual(), increment));
       reference = std::min(reference, result.work_history.front());

@@ -63,6 +63,15 @@ namespace emmy
         has_limited_travel = true;
         result.notes.push_back(where() + ": " + chosen.note);
       }
+    auto travel = wall_travel;
+    if (boundary_conditions.has_moving_walls())
+      {
+        const auto moved =
+          boundary_conditions.wall_displacements(time, chosen.time_step);
+        for (unsigned int side = 0; side < 2 * dim; ++side)
+          travel[side] += moved[side];
+        boundary_conditions.check_travel(travel, where());
+      }
     const StepData<dim> step{
       stencils, points, start, time, chosen.time_step, &phases};
     const Motion motion =
@@ -88,6 +97,7 @@ namespace emmy
     kinetic_energy = result.totals.kinetic_energy;
     time           = result.time;
     step_number    = result.step;
+    wall_travel    = travel;
     return result;
   }
 

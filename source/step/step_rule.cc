@@ -70,18 +70,23 @@ namespace emmy
                   "the run stops.",
                   prm,
                   Integer(0, 50));
-    add_parameter("Maximum travel",
-                  maximum_travel,
-                  "Where a scene has several bodies: how far a particle may "
-                  "move in a step, in cells, with the velocity that it has at "
-                  "its start. A longer step is shortened, and run.log says so. "
-                  "0: no limit. Above 0.5 bodies can pass through one another "
-                  "without meeting.",
-                  prm,
-                  Double(0.));
+    add_parameter(
+      "Maximum travel",
+      maximum_travel,
+      "How much nearer parts of the material that meet, of one body "
+      "or of several, and a particle and a wall may come in a "
+      "step, in cells, with the velocities at its start. Parts "
+      "that are farther apart may come to two cells from one "
+      "another, or one from a wall. A longer step is shortened, "
+      "and run.log says so; what flies or turns as a whole is not "
+      "slowed. 0: no limit. Above 0.5 bodies can pass through one "
+      "another without meeting.",
+      prm,
+      Double(0.));
     add_parameter("Shorten last step",
                   shorten_last_step,
-                  "Whether the last step is cut to end at <End time>.");
+                  "Whether the last step is cut to end at <End time>. If not, "
+                  "the run ends with the first step that reaches it.");
   }
 
   void
@@ -102,6 +107,15 @@ namespace emmy
       require_positive("Step size", step_size, " (s) with Step rule = fixed");
     else
       require_positive("Factor", factor, "");
+  }
+
+  double
+  TimeParameters::latest_end() const
+  {
+    if (maximum_steps == 0)
+      return end_time;
+    return step_rule == "fixed" ? std::min(end_time, maximum_steps * step_size)
+                                : 0.;
   }
 
   namespace
@@ -205,23 +219,6 @@ namespace emmy
   } // namespace
 
   template <int dim>
-  double
-  time_to_travel(const double            travel,
-                 const PointArrays<dim> &points,
-                 const unsigned int      velocity_component,
-                 const ActiveGrid<dim>  &active)
-  {
-    double square = 0.;
-    for (std::size_t p = 0; p < points.n_points(); ++p)
-      square =
-        std::max(square,
-                 points.template get<dim>(velocity_component, p).norm_square());
-    return travel * active.smallest_cell_size() /
-           std::sqrt(
-             dealii::Utilities::MPI::max(square, active.communicator()));
-  }
-
-  template <int dim>
   std::unique_ptr<StepRule<dim>>
   make_step_rule(const TimeParameters                     &parameters,
                  const BackgroundGrid<dim>                &grid,
@@ -249,16 +246,6 @@ namespace emmy
       factor, parameters.step_rule == "normalised", moduli, layout);
   }
 
-  template double
-  time_to_travel<2>(const double,
-                    const PointArrays<2> &,
-                    const unsigned int,
-                    const ActiveGrid<2> &);
-  template double
-  time_to_travel<3>(const double,
-                    const PointArrays<3> &,
-                    const unsigned int,
-                    const ActiveGrid<3> &);
   template std::unique_ptr<StepRule<2>>
   make_step_rule<2>(const TimeParameters &,
                     const BackgroundGrid<2> &,

@@ -17,24 +17,29 @@ namespace emmy
   {
     StepSize result{method.step_rule(stencils, points, active), ""};
     double  &dt = result.time_step;
-    if (method.maximum_travel > 0.)
+    if (method.travel_limit)
       {
-        const double longest = time_to_travel(method.maximum_travel,
-                                              points,
-                                              layout["velocity"],
-                                              active);
+        const double longest = (*method.travel_limit)(dt,
+                                                      points,
+                                                      layout["velocity"],
+                                                      layout["mass"]);
         if (dt > longest)
           result.note = "shortened from " + brief(dt) + " to " +
                         brief(longest) +
-                        " s, and later ones as they need it, so that no " +
-                        "particle moves more than Time/Maximum travel = " +
-                        brief(method.maximum_travel) +
-                        " cells: bodies could pass "
-                        "through one another";
-        dt = std::min(dt, longest);
+                        " s, and later ones as they need it, so that nothing "
+                        "passes through something else: parts that meet, and "
+                        "walls, come nearer by at most Time/Maximum travel = " +
+                        brief(method.travel_limit->travel()) + " cells a step";
+        dt = longest;
       }
-    const double time_left = limits.end_time - time;
-    if (limits.shorten_last_step && dt > time_left)
+    // what round-off leaves for one step more goes with this one
+    const double time_left       = limits.end_time - time;
+    const bool   leaves_a_sliver = time_left > dt &&
+                                 time_left - dt > 1e-12 * limits.end_time &&
+                                 time_left - dt < 1e-6 * dt;
+    const bool is_over = time_left <= 1e-12 * limits.end_time;
+    if (limits.shorten_last_step && !is_over &&
+        (dt > time_left || leaves_a_sliver))
       dt = time_left;
     return result;
   }

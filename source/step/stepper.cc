@@ -46,7 +46,7 @@ namespace emmy
 
     // grid -> particles
     const StepReport result = timed("accounts", [&] {
-      move(solution);
+      follow(solution);
       return report(solution);
     });
     timed("grid to particles", [&] {
@@ -59,6 +59,7 @@ namespace emmy
     count_points(solution.ground().points.n_points(),
                  solution.newton.residual_history.size());
     velocity    = std::move(solution.velocity);
+    wall_travel = solution.wall_travel;
     time        = result.time;
     step_number = result.step;
     return result;
@@ -72,31 +73,36 @@ namespace emmy
     choose_size(solution);
     for (unsigned int halvings = 0;; ++halvings, solution.time_step *= 0.5)
       {
+        phases.begin_task(
+          where() + (halvings == 0
+                       ? std::string()
+                       : ", halved " + std::to_string(halvings) + " times"));
         if (method.middle)
           try_in_middle(solution);
         else
           try_from_start(solution);
         if (solution.newton.is_converged)
+          move(solution);
+        if (solution.newton.is_converged)
           break;
         if (halvings == limits.maximum_halvings)
           give_up(solution.equation().data(), solution);
         ++solution.halvings;
-        solution.notes.push_back(where() + ": " + solution.newton.problem +
-                                 "; halved to " +
-                                 brief(0.5 * solution.time_step) + " s");
+        const std::string halved =
+          "halved to " + brief(0.5 * solution.time_step) + " s";
+        tell(solution, halved, solution.newton.problem + "; " + halved);
       }
     if (solution.newton.is_damped)
-      solution.notes.push_back(
-        where() + ": Newton converged only with a damped matrix (first " +
-        solution.newton.first_try + ")" +
-        (solution.newton.leaves_rest
-           ? "; |r| stays at " +
-               brief(solution.equation().residual().l2_norm() /
-                     solution.equation().scale()) +
-               " of the forces"
-           : std::string()));
-    solution.velocity =
-      velocity_new(solution.displacement, start->velocity, solution.time_step);
+      tell(solution,
+           "Newton needed a damped matrix",
+           "Newton converged only with a damped matrix (first " +
+             solution.newton.first_try + ")" +
+             (solution.newton.leaves_rest
+                ? "; |r| stays at " +
+                    brief(solution.equation().residual().l2_norm() /
+                          solution.equation().scale()) +
+                    " of the forces"
+                : std::string()));
     return solution;
   }
 
@@ -171,9 +177,8 @@ namespace emmy
     if (boundary_conditions.has_moving_walls())
       {
         const auto timed = phases.effect(moving_walls_effect);
-        solution.displacement += start->active->on_walls(
-          boundary_conditions,
-          boundary_conditions.wall_displacements(time, step.time_step));
+        solution.displacement +=
+          start->active->on_walls(boundary_conditions, move_walls(solution));
       }
     start->active->constraints().expand(solution.displacement);
     solution.newton = Newton(solver_parameters, *linear_solver, phases)
@@ -214,6 +219,8 @@ namespace emmy
                                           method.geometry_tolerance,
                                           &phases},
       std::move(places));
+    if (boundary_conditions.has_moving_walls())
+      move_walls(solution);
     solution.displacement = solution.in_middle->first_displacement();
     if (!linear_solver)
       linear_solver = make_linear_solver(solver_parameters,
@@ -238,10 +245,62 @@ namespace emmy
   }
 
   template <int dim>
+  typename BoundaryConditions<dim>::Sides
+  Stepper<dim>::move_walls(Solution &solution) const
+  {
+    const auto moved =
+      boundary_conditions.wall_displacements(time, solution.time_step);
+    for (unsigned int side = 0; side < 2 * dim; ++side)
+      solution.wall_travel[side] = wall_travel[side] + moved[side];
+    boundary_conditions.check_travel(solution.wall_travel, where());
+    return moved;
+  }
+
+  template <int dim>
+  void
+  Stepper<dim>::tell(Solution          &solution,
+                     const std::string &for_screen,
+                     const std::string &for_log)
+  {
+    solution.notes.push_back(where() + ": " + for_screen);
+    solution.findings.push_back(where() + ": " + for_log);
+    if (has_struggled || solution.leaves_grid)
+      return;
+    has_struggled = true;
+    solution.notes.push_back("  why, and why later ones: run.log. " + remedy());
+  }
+
+  template <int dim>
+  std::string
+  Stepper<dim>::remedy() const
+  {
+    std::vector<std::string> settings;
+    if (!layout.has("half_length"))
+      settings.push_back("Method/Shape functions = GIMP");
+    if (!method.balance.aggregation())
+      settings.push_back("Method/Starved nodes = follow");
+    return settings.empty()
+             ? std::string()
+             : "What helps most often: " + join(settings, " and ") + ". ";
+  }
+
+  template <int dim>
   void
   Stepper<dim>::give_up(const StepData<dim> &step, Solution &solution) const
   {
-    std::string verdict, remedy;
+    throw_together(grid.communicator(),
+                   where(),
+                   solution.leaves_grid
+                     ? solution.newton.problem + ", with the step halved " +
+                         std::to_string(limits.maximum_halvings) +
+                         " times to " + brief(step.time_step) + " s"
+                     : std::string(),
+                   "the last accepted state was kept. Enlarge the grid "
+                   "(Grid/Lower corner, Upper corner), end the run earlier "
+                   "(Time/End time), fix that side (Boundary conditions), or, "
+                   "where it is a wall already, take smaller steps "
+                   "(Time/Factor or Step size).");
+    std::string verdict, cut_remedy;
     if (can_diagnose())
       {
         // What Newton left may be damped. Where the equation has no meaning
@@ -263,7 +322,7 @@ namespace emmy
           "; " +
           diagnosis.verdict(has_jacobian ? "Jacobian" : "mass matrix", limit);
         if (diagnosis.is_above(limit) && !diagnosis.nodes.empty())
-          remedy = small_cut_remedy(method.balance, method.mapping);
+          cut_remedy = small_cut_remedy(method.balance, method.mapping);
       }
     throw_together(
       grid.communicator(),
@@ -271,7 +330,7 @@ namespace emmy
       "Newton does not converge, with the step halved " +
         std::to_string(limits.maximum_halvings) + " times to " +
         brief(step.time_step) + " s: " + solution.newton.problem + verdict,
-      "the last accepted state was kept. " + remedy +
+      "the last accepted state was kept. " + remedy() + cut_remedy +
         "Use more Points per direction, a larger Solver/Maximum iterations, a "
         "smaller Time/Factor or Step size, or a stiffer or finer model; "
         "Time/Maximum halvings allows smaller steps.");
@@ -355,24 +414,34 @@ namespace emmy
   void
   Stepper<dim>::move(Solution &solution)
   {
+    solution.velocity =
+      velocity_new(solution.displacement, start->velocity, solution.time_step);
+    const auto timed               = phases.scope("accounts");
+    const auto &[stencils, points] = solution.ground();
+    const std::string problem =
+      agree_on_problem(grid.communicator(),
+                       move_points(stencils,
+                                   points,
+                                   *start,
+                                   grid,
+                                   layout,
+                                   method.mapping.flip_fraction,
+                                   solution.displacement,
+                                   solution.velocity,
+                                   solution.equation().trial()));
+    solution.leaves_grid = !problem.empty();
+    if (!solution.leaves_grid)
+      return;
+    solution.newton.is_converged = false;
+    solution.newton.problem      = problem;
+  }
+
+  template <int dim>
+  void
+  Stepper<dim>::follow(Solution &solution)
+  {
     const auto &[stencils, points] = solution.ground();
     PointArrays<dim> &trial        = solution.equation().trial();
-    throw_together(
-      grid.communicator(),
-      where(),
-      move_points(stencils,
-                  points,
-                  *start,
-                  grid,
-                  layout,
-                  method.mapping.flip_fraction,
-                  solution.displacement,
-                  solution.velocity,
-                  trial),
-      "the step was not accepted. Enlarge the grid (Grid/Lower "
-      "corner, Upper corner), end the run earlier (Time/End "
-      "time), fix that side (Boundary conditions), or, if it moves, "
-      "slow it down.");
     const std::string note =
       domains.follow(stencils,
                      points,

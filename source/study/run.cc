@@ -20,12 +20,12 @@ namespace emmy
 {
   namespace
   {
-    /** The sections of effects that stand in the file but are not named. */
+    /** What stands in the file but has no effect. */
     template <int dim>
     void
-    list_unused_sections(const ParameterFile        &file,
-                         const SceneParameters<dim> &parameters,
-                         std::ostream               &out)
+    list_unused(const ParameterFile        &file,
+                const SceneParameters<dim> &parameters,
+                std::ostream               &out)
     {
       const auto &named = parameters.effect_names.names;
       for (const std::string &effect : effect_library<dim>().names())
@@ -34,6 +34,22 @@ namespace emmy
           out << "  note: section " << effect_section(effect)
               << " is not used, because Effects/Names does not list <" << effect
               << ">\n";
+      const std::string &rule = parameters.time.step_rule;
+      if (rule != "fixed" && !file.value("Time/Step size", "").empty())
+        out << "  note: Time/Step size is not used, because Time/Step rule is <"
+            << rule << ">; set Step rule = fixed, or remove it\n";
+    }
+
+    /** A line if the last step went beyond the end time; or nothing. */
+    void
+    tell_of_overshoot(const TimeParameters &limits,
+                      const double          time,
+                      std::ostream         &out)
+    {
+      if (time > limits.end_time * (1. + 1e-9))
+        out << "note: the run ended at t = " << time << " s, "
+            << time - limits.end_time
+            << " s after End time, as Time/Shorten last step is false\n";
     }
 
     /** What is known of a run on the way. */
@@ -169,7 +185,7 @@ namespace emmy
     if (options.only_check)
       {
         scene.describe(screen, initial, card, options.with_absent);
-        list_unused_sections(file, parameters, screen);
+        list_unused(file, parameters, screen);
         return;
       }
 
@@ -189,7 +205,7 @@ namespace emmy
     std::ostringstream head;
     head << "emmy " EMMY_VERSION ": " << directory.path() << '\n';
     scene.describe(head, initial, card, options.with_absent);
-    list_unused_sections(file, parameters, head);
+    list_unused(file, parameters, head);
     screen << head.str() << std::flush;
     log << head.str() << std::flush;
 
@@ -203,6 +219,10 @@ namespace emmy
                       log,
                       parameters.time.end_time,
                       parameters.time.maximum_steps);
+
+    if (is_first)
+      scene.phases.set_listener(
+        [&progress](const std::string &news) { progress.working(news); });
 
     // What goes wrong on the way is reported after the results so far. All
     // ranks throw it together; any other error passes, as one rank alone can
@@ -219,6 +239,7 @@ namespace emmy
         failure = std::current_exception();
         log << "stopped: " << message_of(error) << std::endl;
       }
+    scene.phases.set_listener(nullptr);
     progress.finish();
     for (const std::string &warning :
          frames.finish(course.report, /*is_complete=*/!failure))
@@ -226,6 +247,7 @@ namespace emmy
 
     std::ostringstream tail;
     tail << "linear solver " << scene.stepper->solver_name() << '\n';
+    tell_of_overshoot(parameters.time, course.report.time, tail);
     summarise(tail, ledger, initial, course);
     std::vector<EffectCard> present;
     for (const CountedEffect &effect : card.effects)

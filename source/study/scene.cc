@@ -2,6 +2,7 @@
 #include <emmy/assembly/internal_force.h>
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/particles/body_measures.h>
 #include <emmy/step/explicit_stepper.h>
 #include <emmy/step/stepper.h>
 #include <emmy/study/scene.h>
@@ -275,10 +276,17 @@ namespace emmy
     , middle(make_middle<dim>(parameters, layout))
     , mapping(make_mapping(parameters, boundary_conditions, balance))
     , step_rule(make_step_rule(parameters.time, grid, material_of_body, layout))
+    , travel_limit(parameters.time.maximum_travel > 0.
+                     ? std::make_unique<const TravelLimit<dim>>(
+                         parameters.time.maximum_travel,
+                         grid,
+                         boundary_conditions)
+                     : nullptr)
     , stepper(make_stepper(parameters))
     , parameters(parameters)
   {
     const auto scope = phases.scope("setup");
+    boundary_conditions.check_run(parameters.time.latest_end());
     grid.cover(occupied_cells(bodies, grid));
     particles.initialize(grid.triangulation(),
                          grid.mapping(),
@@ -333,9 +341,7 @@ namespace emmy
                                  domain_update.get(),
                                  mapping,
                                  *step_rule,
-                                 bodies.size() > 1
-                                   ? parameters.time.maximum_travel
-                                   : 0.,
+                                 travel_limit.get(),
                                  balance,
                                  parameters.diagnosis,
                                  middle.get(),
@@ -379,25 +385,17 @@ namespace emmy
                  << " m, " << grid.n_trees() << " trees\n";
     line("ranks") << dealii::Utilities::MPI::n_mpi_processes(communicator)
                   << '\n';
-    const auto volumes = volumes_of_bodies();
+    const auto measures = measure_bodies(bodies, grid, layout, particles);
     for (unsigned int b = 0; b < bodies.size(); ++b)
       {
         line("body " + bodies[b].name)
           << parameters.material_names.names[bodies[b].material] << ", density "
           << bodies[b].density << " kg/m^3, P-wave modulus "
           << material_of_body[b]->p_wave_modulus() << " Pa\n";
-        line("") << "volume of its particles " << volumes[b] << " m^3";
-        if (const double exact = bodies[b].shape->volume();
-            exact > 0. && bodies[b].cut_by.none())
-          {
-            const double error = 100. * (volumes[b] / exact - 1.);
-            out << ", of its shape " << exact << " m^3";
-            if (std::abs(error) > 1.)
-              out << "\n  note: that is " << error
-                  << " % off, and so is the mass. Take more Points per "
-                     "direction, or faces on multiples of h/points";
-          }
-        out << '\n';
+        for (const std::string &text :
+             describe_measures(bodies[b], measures[b], grid))
+          text.compare(0, 5, "note:") == 0 ? out << "  " << text << '\n'
+                                           : line("") << text << '\n';
         // 1e6 take a second or two
         double n_boxes = 1.;
         for (const unsigned int n : grid.n_cells())
@@ -454,21 +452,6 @@ namespace emmy
                   << ", to t = " << parameters.time.end_time << " s"
                   << (limit > 0 ? " or the limit of steps" : "") << '\n';
     card.print(out, with_absent);
-  }
-
-  template <int dim>
-  std::vector<double>
-  Scene<dim>::volumes_of_bodies() const
-  {
-    std::vector<double> volumes(bodies.size());
-    for (const auto &particle : particles)
-      {
-        const auto properties = particle.get_properties();
-        volumes[static_cast<unsigned int>(properties[layout["body"]])] +=
-          properties[layout["reference_volume"]];
-      }
-    dealii::Utilities::MPI::sum(volumes, grid.communicator(), volumes);
-    return volumes;
   }
 
   template class Scene<2>;

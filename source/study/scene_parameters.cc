@@ -339,12 +339,19 @@ namespace emmy
   dimension_of(const ParameterFile &file)
   {
     const std::string dimension = file.value("Dimension", "");
-    AssertThrow(dimension == "2" || dimension == "3",
-                ExcParameter("",
-                             "Dimension",
-                             dimension,
-                             "it is required and must be 2 (plane strain) or "
-                             "3."));
+    const std::string meant =
+      dimension.empty() ? nearest_name("Dimension", file.entries_of("")) : "";
+    AssertThrow(
+      dimension == "2" || dimension == "3",
+      ExcParameter("",
+                   "Dimension",
+                   dimension,
+                   "it is required and must be 2 (plane strain) or "
+                   "3." +
+                     (meant.empty()
+                        ? std::string()
+                        : " Did you mean <Dimension>? The file has <" + meant +
+                            ">.")));
     return dimension == "2" ? 2 : 3;
   }
 

@@ -162,7 +162,7 @@ namespace
                      "Bodies/left/Points per direction=3",
                      "Bodies/right/Points per direction=3",
                      "Time/Step rule=fixed",
-                     "Time/Step size=0.2",
+                     "Time/Step size=0.14",
                      "Solver/Newton tolerance=1e-15"},
                     {"Grid/Upper corner=48, 48, 48", "Grid/Cells=24, 24, 24"},
                     {"Grid/Lower corner=-80, -80, -80",

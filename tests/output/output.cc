@@ -250,7 +250,22 @@ namespace
 
     // The limit on steps counts if it ends the run sooner.
     std::ostringstream terminal, unused;
-    Progress           short_run(terminal, true, unused, 10., 4);
+    std::ostringstream slow_screen, slow_terminal;
+    {
+      Progress patient(slow_screen, false, unused, 10., 0, /*patience=*/1e3);
+      patient.working("Step 1: Newton iteration 1");
+      check(slow_screen.str().empty(), "no news before patience ends");
+      Progress impatient(slow_screen, false, unused, 10., 0, 0.);
+      impatient.working("Step 1: Newton iteration 2");
+      check(slow_screen.str() == "Step 1: Newton iteration 2 (0:00)\n",
+            "then a line of news");
+      Progress in_place(slow_terminal, true, unused, 10., 0, 0.);
+      in_place.working("Step 1: Newton iteration 3");
+      check(count(slow_terminal.str(), "iteration 3 (0:00)") == 1 &&
+              count(slow_terminal.str(), "\n") == 0,
+            "on a terminal in place");
+    }
+    Progress short_run(terminal, true, unused, 10., 4);
     short_run.step(1, 0.1, 0.1, 2, 0.);
     check(count(terminal.str(), "25 %") == 1, "one of four steps is 25 %");
     check(count(terminal.str(), "\n") == 0, "the line is drawn in place");

@@ -179,7 +179,7 @@ agrees 'GIMP' GIMP base.prm --set 'Method/Shape functions=GIMP'
 check 'GIMP: the update of domains was foretold too' [ \
   "$(of run.card 'present domain update' 4)" = "$(of base.card 'absent domain update' 4)" ]
 agrees 'moving wall' 'moving walls' base.prm --set 'Boundary conditions/Fixed=x-min' \
-  --set 'Boundary conditions/Velocity of x-min=0.1; 0'
+  --set 'Boundary conditions/Velocity of x-min=0; 0.1'
 agrees 'measurements' '' base.prm --set 'Measurements/Names=tip, block' \
   --set 'Measurements/tip/Type=particle' --set 'Measurements/tip/Nearest to=2, 1.5' \
   --set 'Measurements/block/Type=extent'

@@ -201,6 +201,20 @@ accepted 'section of an effect without its name' unused.prm --set "$moving" \
   --set 'Output/Directory=unused'
 check 'section of an effect without its name: the same ledger' \
   cmp -s first/ledger.csv unused/ledger.csv
+check 'section of an effect without its name: the screen says so' \
+  says "$work/out" 'note: section Effects/Gravity is not used, because Effects/Names does not list <gravity>'
+accepted 'step size of another rule' base.prm --set 'Time/Step rule=wave' \
+  --set 'Time/Maximum steps=1' --set 'Output/Directory=wave'
+check 'step size of another rule: the screen says so' \
+  says "$work/out" 'note: Time/Step size is not used, because Time/Step rule is <wave>'
+check 'step size of its rule: no note' not says first/run.log 'note: Time/Step size'
+accepted 'last step' base.prm --set 'Time/Step size=0.3' --set 'Output/Directory=cut'
+check 'last step: it is shortened' [ "$(tail -n 1 cut/ledger.csv | cut -d , -f 1,2)" = '4,1' ]
+check 'last step: nothing to say' not says cut/run.log 'after End time'
+accepted 'last step beyond the end' base.prm --set 'Time/Step size=0.3' \
+  --set 'Time/Shorten last step=false' --set 'Output/Directory=beyond'
+check 'last step beyond the end: the screen says so' \
+  says "$work/out" 'note: the run ended at t = 1.2 s, 0.2 s after End time'
 accepted 'effect with its name' unused.prm --set "$moving" \
   --set 'Effects/Names=gravity' --set 'Output/Directory=used'
 check 'effect with its name: another ledger' not cmp -s first/ledger.csv used/ledger.csv

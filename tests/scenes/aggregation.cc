@@ -112,7 +112,8 @@ namespace
           ParameterFile::from_text(test::collision_text(2), "test");
         file.set(std::string("Method/Shape functions=") + shape_functions);
         file.set("Boundary conditions/Fixed=y-min");
-        file.set("Boundary conditions/Velocity of y-min=0.2; 0.1*sin(t)");
+        file.set("Boundary conditions/Velocity of y-min=0.2 + 0.1*sin(t); "
+                 "0.002*sin(t)");
         file.set("Bodies/left/ball/Center=1.9, 0.9");
         file.set("Effects/Names=aggregation");
         compare<2>(file, 20, std::string("wall, ") + shape_functions);

@@ -250,7 +250,8 @@ namespace
           ParameterFile::from_text(test::collision_text(4), "test");
         file.set("Boundary conditions/Fixed=y-min");
         file.set("Boundary conditions/Roller=x-max");
-        file.set("Boundary conditions/Velocity of y-min=0.2; 0.1*sin(t)");
+        file.set("Boundary conditions/Velocity of y-min=0.2 + 0.1*sin(t); "
+                 "0.002*sin(t)");
         file.set("Bodies/left/ball/Center=1.9, 0.9");
         for (const std::string &entry : method)
           file.set("Method/" + entry);

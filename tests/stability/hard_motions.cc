@@ -59,18 +59,18 @@ namespace emmy
         suite.open_case(
           "Large steps",
           "`collision.prm` and `block.prm` with steps of 1 to 150 times "
-          "`normalised` (the time of a wave through a cell). Steps that\nwould "
-          "carry bodies through one another are shortened to `Maximum "
-          "travel`, half a cell: so 15, 50 and 150 are one run, and\nall see "
-          "the collision. A single body has no such limit; a step that Newton "
-          "cannot solve is halved.");
+          "`normalised` (the time of a wave through a cell). Steps in\nwhich "
+          "parts or a wall would pass through one another are shortened until "
+          "they meet, and then to `Maximum travel`, a quarter\nof a cell: so all see "
+          "the collision. A step that Newton cannot solve is halved.");
         for (const Remedy &remedy : {nothing, ghosts, aggregation})
           for (const unsigned int factor : {1, 5, 15, 50, 150})
             {
               Run<2> run;
               run.file          = "stability/collision.prm";
               run.settings      = with({"Time/Factor=" + std::to_string(factor),
-                                        "Time/End time=8"},
+                                        "Time/End time=8",
+                                        "Time/Maximum travel=0.25"},
                                   remedy.settings);
               run.is_stabilised = !remedy.settings.empty();
               const auto result =

@@ -59,10 +59,11 @@ main(int argc, char *argv[])
   const std::string no_limit = "Time/Maximum travel=0";
   const double wave = first_step(cylinders, {"Time/Step rule=wave", no_limit});
   test::check_close(wave, 1.927, 5e-4, "7.2, wave, s");
-  test::check_close(first_step(cylinders, {"Time/Step rule=wave"}),
-                    0.5 * 2. / 0.75,
-                    1e-12,
-                    "7.2, wave, half a cell of 2 m at 0.75 m/s, s");
+  // the cylinders are 4.4 m apart, close at 1.5 m/s, and may come to two cells
+  // of 2 m between the middles of what lies in them
+  const double way = 1.5 * first_step(cylinders, {"Time/Step rule=wave"});
+  test::check(way < 4.4 - 1. && way > 4.4 - 2. * 2.,
+              "7.2, wave, they come near, and do not meet within a step");
   test::check_close(first_step(cylinders,
                                {"Time/Step rule=normalised", no_limit}),
                     wave,

@@ -65,6 +65,7 @@ namespace
 
     std::vector<Body<dim>> bodies(1);
     bodies[0].points_per_direction = 2;
+    bodies[0].divides_box          = false;
     initial                        = initial_half_length(bodies[0], grid);
     const auto update = make_domain_update<dim>(name, bodies, grid, layout);
 

@@ -81,6 +81,10 @@ namespace emmy
     std::string
     value(const std::string &path, const std::string &default_value) const;
 
+    /** The entries of a section, as the file spells them. */
+    std::vector<std::string>
+    entries_of(const std::string &section) const;
+
     /**
      * Whether the section is opened anywhere, possibly without entries.
      *

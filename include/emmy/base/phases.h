@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <functional>
 #include <iosfwd>
 #include <string>
 #include <string_view>
@@ -110,6 +111,21 @@ namespace emmy
     add_iterations(const std::string_view phase, const std::size_t n);
 
     /**
+     * Who listens to news from within a step, e.g. the progress on the
+     * screen; on any ranks. He must outlive the run.
+     */
+    void
+    set_listener(std::function<void(const std::string &)> listener);
+
+    /** What is done from now on, e.g. "Step 3 from t = 0.2 s". */
+    void
+    begin_task(const std::string &task);
+
+    /** News of that task; nothing happens where nobody listens. */
+    void
+    tell(const std::string &news) const;
+
+    /**
      * Collective: the phases in the order of their first use, combined over
      * the ranks. A phase that some ranks never entered counts as zero there.
      */
@@ -169,6 +185,8 @@ namespace emmy
     Entries                                     phases, effects_of_run;
     bool                                        phase_is_open = false;
     std::size_t open_effect = no_effect; ///< the innermost
+    std::function<void(const std::string &)> listener;
+    std::string                              task;
   };
 
   /** Phases::effect() where there is a table of phases; null: nothing. */

@@ -30,7 +30,9 @@ namespace emmy
    * Essential conditions on the sides of the grid: which components of the
    * displacement are given at a node, and what they are: zero, or the motion
    * of a wall. The grid itself stays: a wall that moves carries along what
-   * touches its side. Where two sides give the same component, a moving one
+   * touches its side. It would therefore act where the grid ends and not where
+   * it is, if it moved far along its normal; that is refused beyond a
+   * hundredth of a cell. Where two sides give the same component, a moving one
    * wins, then the one that stands first in side_names(). Owned by the scene;
    * asked when active nodes are numbered and, if walls move, in each step.
    */
@@ -78,6 +80,21 @@ namespace emmy
     Sides
     wall_displacements(const double time, const double time_step) const;
 
+    /**
+     * Refuse walls that move too far along their normals from t = 0 to an end
+     * time, s, as far as their velocities are finite. Throws ExcParameter.
+     */
+    void
+    check_run(const double end_time) const;
+
+    /**
+     * The same of what walls have moved so far: throws ExcRun if
+     * @p travel, m since the start, is too far along a normal.
+     * @param where "Step 3 from t = 0.2 s"
+     */
+    void
+    check_travel(const Sides &travel, const std::string &where) const;
+
     /** What the sides at @p position give for a fixed component. */
     double
     value(const Sides              &sides,
@@ -85,6 +102,10 @@ namespace emmy
           const unsigned int        component) const;
 
   private:
+    /** How far a side may move along its normal in all, m. */
+    double
+    allowed_travel(const unsigned int side) const;
+
     /** The sides on which a position lies. */
     std::bitset<2 * dim>
     sides_at(const dealii::Point<dim> &position) const;

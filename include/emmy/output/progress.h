@@ -19,6 +19,8 @@ namespace emmy
    * first steps, then a line whenever another 5 % of the run or a minute has
    * passed, and the last one.
    *
+   * Within a step that takes long the screen is told what Newton does.
+   *
    * Used on one rank; give the others streams that discard. The time left is
    * what remains of the simulated time, or of the steps if those end sooner,
    * at the average pace so far.
@@ -30,12 +32,14 @@ namespace emmy
      * @param screen,log    borrowed; must outlive this object
      * @param end_time      of the run, s
      * @param maximum_steps the run stops after so many; 0: no limit
+     * @param patience      how long a step may be silent, s
      */
     Progress(std::ostream      &screen,
              const bool         screen_is_terminal,
              std::ostream      &log,
              const double       end_time,
-             const unsigned int maximum_steps);
+             const unsigned int maximum_steps,
+             const double       patience = 5.);
 
     /** Ends with finish(). */
     ~Progress();
@@ -58,6 +62,13 @@ namespace emmy
          const double       dt,
          const unsigned int newton_iterations,
          const double       relative_balance);
+
+    /**
+     * News from within a step. The screen gets them if nothing was shown for
+     * longer than the patience; a terminal in place, until the step's line.
+     */
+    void
+    working(const std::string &news);
 
     /** Print lines of their own to screen and log. */
     void
@@ -93,9 +104,10 @@ namespace emmy
     std::ostream      &log;
     const double       end_time;
     const unsigned int maximum_steps;
+    const double       patience;
 
     const Clock::time_point start;
-    Clock::time_point       last_shown;
+    Clock::time_point       last_shown, last_step;
     double                  start_fraction = 0.;
     double                  shown_fraction = 0.;
     unsigned int            steps_seen     = 0;

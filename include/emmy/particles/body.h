@@ -23,6 +23,7 @@ namespace emmy
   public:
     std::string              material;
     unsigned int             points_per_direction = 0;
+    std::string              particle_layout      = "body";
     std::string              initial_velocity; // m/s, components separated by ;
     std::vector<std::string> cut_by;           // sides of the grid
 
@@ -45,10 +46,11 @@ namespace emmy
   template <int dim>
   struct Body
   {
-    std::string                 name;
-    unsigned int                material; ///< index in the scene's materials
-    double                      density;  ///< kg/m^3
-    unsigned int                points_per_direction;
+    std::string  name;
+    unsigned int material; ///< index in the scene's materials
+    double       density;  ///< kg/m^3
+    unsigned int points_per_direction;
+    bool         divides_box = true; ///< of a box; false: the cells are divided
     std::unique_ptr<Shape<dim>> shape;
     /** Sides of the grid that the shape may reach beyond. */
     std::bitset<2 * dim>                         cut_by;
@@ -65,17 +67,6 @@ namespace emmy
             const BodyParameters<dim> &parameters,
             const unsigned int         material,
             const double               density);
-
-  /**
-   * The points of a body in one cell: the centres of an equal subdivision of
-   * the cell that lie in the shape (Pretti et al. 2023, sec. 7.2: partly
-   * filled cells drop the others).
-   */
-  template <int dim>
-  std::vector<dealii::Point<dim>>
-  points_in_cell(const Body<dim>                             &body,
-                 const BackgroundGrid<dim>                   &grid,
-                 const typename BackgroundGrid<dim>::Lattice &cell);
 
   /**
    * The cells of the grid that hold points of bodies, and how many; each rank

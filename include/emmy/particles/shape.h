@@ -27,6 +27,20 @@ namespace emmy
       return 0.;
     }
 
+    /** Its centre, m; false and no value if the shape does not know it. */
+    virtual bool
+    center(dealii::Point<dim> &) const
+    {
+      return false;
+    }
+
+    /** Whether the shape is its bounding box. */
+    virtual bool
+    is_box() const
+    {
+      return false;
+    }
+
     /**
      * A box around the shape. It must be finite unless the shape does not
      * know its extent (expression).

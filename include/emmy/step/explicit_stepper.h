@@ -130,9 +130,11 @@ namespace emmy
     LumpedGrid<dim>    lumped;
     Vector             velocity;
     bool               has_limited_travel = false;
-    unsigned int       step_number        = 0;
-    double             time               = 0.;
-    double             kinetic_energy     = 0.; ///< of the particles at t, J
+    /** How far walls have moved, m. */
+    typename BoundaryConditions<dim>::Sides wall_travel{};
+    unsigned int                            step_number = 0;
+    double                                  time        = 0.;
+    double kinetic_energy = 0.; ///< of the particles at t, J
   };
 } // namespace emmy
 

@@ -24,13 +24,20 @@ namespace emmy
     unsigned int maximum_steps     = 0;
     unsigned int maximum_halvings  = 8;
     double       maximum_travel    = 0.5; // cells
-    bool         shorten_last_step = false;
+    bool         shorten_last_step = true;
 
     explicit TimeParameters(const std::string &path = "Time");
 
     /** Throws ExcParameter. */
     void
     validate() const;
+
+    /**
+     * The latest time that the run can reach, s; 0: it is not known, because
+     * the number of steps is limited, and their sizes follow from the states.
+     */
+    double
+    latest_end() const;
 
     bool
     is_explicit() const
@@ -52,17 +59,6 @@ namespace emmy
                const PointArrays<dim> &points,
                const ActiveGrid<dim>  &active) const = 0;
   };
-
-  /**
-   * The step, s, in which the fastest particle moves by @p travel cells with
-   * the velocity that it has now; infinite at rest. Collective.
-   */
-  template <int dim>
-  double
-  time_to_travel(const double            travel,
-                 const PointArrays<dim> &points,
-                 const unsigned int      velocity_component,
-                 const ActiveGrid<dim>  &active);
 
   /**
    * The rule that the parameters name:

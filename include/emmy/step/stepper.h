@@ -32,10 +32,12 @@ namespace emmy
 
     /**
      * One step. A step that does not converge leaves no trace and is tried
-     * again with half its size. Collective.
+     * again with half its size; so is one in which a particle would leave the
+     * grid. Collective.
      *
      * Throws ExcRun on all ranks, with the particles as they were, if the
-     * step converges at no allowed size, or a particle would leave the grid.
+     * step converges at no allowed size, or a particle leaves the grid in all
+     * of them.
      */
     StepReport
     advance() override;
@@ -70,11 +72,13 @@ namespace emmy
       std::unique_ptr<MiddleEquation<dim>> in_middle;
       std::unique_ptr<StepEquation<dim>>   of_start;
 
-      NewtonResult             newton;
-      double                   time_step;
-      unsigned int             halvings = 0;
-      Vector                   displacement, velocity;
-      std::vector<std::string> notes, findings;
+      NewtonResult                            newton;
+      double                                  time_step;
+      unsigned int                            halvings    = 0;
+      bool                                    leaves_grid = false;
+      Vector                                  displacement, velocity;
+      typename BoundaryConditions<dim>::Sides wall_travel{};
+      std::vector<std::string>                notes, findings;
 
       const Ground<dim> &
       ground() const
@@ -131,9 +135,24 @@ namespace emmy
     /** The size of the step by the method's rule; notes what limits it. */
     void
     choose_size(Solution &solution);
-    /** Trial states of an accepted solution: positions, velocities, domains. */
+    /** The displacements of moving walls, with what is checked of them. */
+    typename BoundaryConditions<dim>::Sides
+    move_walls(Solution &solution) const;
+    /** A short line for the screen, and a long one for the log. */
+    void
+    tell(Solution &solution, const std::string &what, const std::string &why);
+    /** What helps most often where Newton struggles; if it is not used yet. */
+    std::string
+    remedy() const;
+    /**
+     * Positions and velocities at the end of a solved step, in its trial
+     * states. Where a particle leaves the grid the step has not converged.
+     */
     void
     move(Solution &solution);
+    /** Trial states of an accepted solution: domains, and the next middle. */
+    void
+    follow(Solution &solution);
     StepReport
     report(const Solution &solution) const;
     /** What is left of the particles' angular momentum, and of the places. */
@@ -165,9 +184,11 @@ namespace emmy
     /** Of all steps. */
     std::uint64_t most_free_starved  = 0;
     double        largest_weight     = 0.;
-    bool          has_limited_travel = false;
-    unsigned int  step_number        = 0;
-    double        time               = 0.;
+    bool          has_limited_travel = false, has_struggled = false;
+    /** How far walls have moved, m. */
+    typename BoundaryConditions<dim>::Sides wall_travel{};
+    unsigned int                            step_number = 0;
+    double                                  time        = 0.;
   };
 } // namespace emmy
 

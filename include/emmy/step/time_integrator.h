@@ -5,6 +5,7 @@
 #include <emmy/assembly/step_report.h>
 #include <emmy/step/doctor.h>
 #include <emmy/step/step_rule.h>
+#include <emmy/step/travel_limit.h>
 #include <emmy/transfer/domain_update.h>
 #include <emmy/transfer/middle_places.h>
 
@@ -18,8 +19,7 @@ namespace emmy
     const DomainUpdate<dim>   *domain_update; ///< null: domains stay
     const PointMapping        &mapping;
     const StepRule<dim>       &step_rule;
-    /** How far a particle may move in a step, in cells; 0: no limit. */
-    const double               maximum_travel;
+    const TravelLimit<dim>    *travel_limit; ///< null: no limit
     const Balance<dim>        &balance;
     const DiagnosisParameters &diagnosis;
     /**

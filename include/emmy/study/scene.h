@@ -68,6 +68,7 @@ namespace emmy
     std::unique_ptr<MiddlePlaces<dim>>             middle;
     PointMapping                                   mapping;
     std::unique_ptr<StepRule<dim>>                 step_rule;
+    std::unique_ptr<const TravelLimit<dim>>        travel_limit; ///< null: none
     dealii::Particles::ParticleHandler<dim>        particles;
     std::unique_ptr<TimeIntegrator<dim>>           stepper;
     std::vector<std::unique_ptr<Measurement<dim>>> measurements;
@@ -80,10 +81,6 @@ namespace emmy
     /** Add the measurements of the particles as they are. Collective. */
     void
     measure(StepReport &report);
-
-    /** Sum of the particles' reference volumes, m^3. Collective. */
-    std::vector<double>
-    volumes_of_bodies() const;
 
     const SceneParameters<dim> &parameters;
   };
