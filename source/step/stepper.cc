@@ -278,7 +278,7 @@ namespace emmy
     if (!layout.has("half_length"))
       settings.push_back("Method/Shape functions = GIMP");
     if (!method.balance.aggregation())
-      settings.push_back("Method/Starved nodes = follow");
+      settings.push_back("Effects/Names = aggregation");
     return settings.empty()
              ? std::string()
              : "What helps most often: " + join(settings, " and ") + ". ";
