@@ -109,7 +109,8 @@ namespace emmy
     const double K = bulk_modulus, G = shear_modulus;
     const auto   b = spectral_decompositions(batch);
 
-    std::array<PrincipalStep<dim>, max_batch_points> steps;
+    std::vector<PrincipalStep<dim>> steps(
+      batch.with_energy_change ? batch.n_points : 0);
     for (unsigned int p = 0; p < batch.n_points; ++p)
       {
         const auto e = principal_strain(b[p]);

@@ -7,6 +7,33 @@
 
 namespace emmy
 {
+  namespace
+  {
+    /**
+     * Where |C - C_t| is above this part of the elastic strain, a difference of
+     * energies is good enough, and cheaper: its error, divided by the step, is
+     * at most 1e-14 of the stress.
+     */
+    constexpr double largest_small_step = 0.01;
+
+    /** Whether a point of the batch strains less than that. */
+    template <int dim>
+    bool
+    has_small_step(const StressBatch<dim>  &batch,
+                   const MandelVector<dim> *elastic_old)
+    {
+      for (unsigned int p = 0; p < batch.n_points; ++p)
+        {
+          const auto &H = batch.displacement_gradient[p];
+          const auto A = mandel::symmetric_part<dim>(2. * H + transpose(H) * H);
+          if (A.norm_square() < largest_small_step * largest_small_step *
+                                  elastic_old[p].norm_square())
+            return true;
+        }
+      return false;
+    }
+  } // namespace
+
   template <int dim>
   unsigned int
   update_states(const Material<dim> &material,
@@ -20,7 +47,8 @@ namespace emmy
     batch.material.n_points                  = batch.n_points;
     batch.material.with_tangent              = batch.with_tangent;
     batch.material.with_energy_change =
-      with_energy_change && material.gives_energy_change();
+      with_energy_change && material.gives_energy_change() &&
+      has_small_step(batch, elastic_old.data());
     batch.material.step = {batch.displacement_gradient.data(),
                            elastic_old.data(),
                            batch.kirchhoff_stress_old.data()};
@@ -139,16 +167,18 @@ namespace emmy
       return inverted;
     }
 
-    /** The changes of energy of materials that do not give them. */
+    /** Changes of energy that the material was not asked for, or cannot give.
+     */
     template <int dim>
     void
-    subtract_energies(StressBatch<dim> &batch)
+    subtract_energies(const bool is_given, StressBatch<dim> &batch)
     {
       MaterialBatch<dim> &material = batch.material;
-      for (unsigned int p = 0; p < batch.n_points; ++p)
-        material.stored_energy_change[p] =
-          material.stored_energy[p] - batch.stored_energy_old[p];
-      if (batch.is_inelastic)
+      if (!material.with_energy_change)
+        for (unsigned int p = 0; p < batch.n_points; ++p)
+          material.stored_energy_change[p] =
+            material.stored_energy[p] - batch.stored_energy_old[p];
+      if (batch.is_inelastic && !is_given)
         for (unsigned int p = 0; p < batch.n_points; ++p)
           material.hardening_energy_change[p] =
             material.hardening_energy[p] - batch.hardening_energy_old[p];
@@ -199,8 +229,7 @@ namespace emmy
       const unsigned int inverted = evaluate_end(material, batch, steps, true);
       if (inverted < batch.n_points)
         return inverted;
-      if (!batch.material.with_energy_change)
-        subtract_energies(batch);
+      subtract_energies(material.gives_energy_change(), batch);
 
       for (unsigned int p = 0; p < batch.n_points; ++p)
         {

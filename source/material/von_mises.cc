@@ -49,7 +49,8 @@ namespace emmy
     const double H = surface.hardening_modulus;
     const auto   b = spectral_decompositions(batch);
 
-    std::array<PrincipalStep<dim>, max_batch_points> steps;
+    std::vector<PrincipalStep<dim>> steps(
+      batch.with_energy_change ? batch.n_points : 0);
     for (unsigned int p = 0; p < batch.n_points; ++p)
       {
         const auto   e             = principal_strain(b[p]);
@@ -85,12 +86,10 @@ namespace emmy
           0.5 * K * e.trace * e.trace + G * kept * kept * e.deviator_squared;
         batch.hardening_energy[p] = 0.5 * H * xi * xi;
         batch.dissipation[p]      = surface.radius * flow;
+        batch.hardening_energy_change[p] =
+          0.5 * H * (xi_old + xi) * sqrt_two_thirds * flow;
         if (batch.with_energy_change)
-          {
-            steps[p] = {e, tau, flow_strain};
-            batch.hardening_energy_change[p] =
-              0.5 * H * (xi_old + xi) * sqrt_two_thirds * flow;
-          }
+          steps[p] = {e, tau, flow_strain};
 
         if (!batch.with_tangent)
           continue;

@@ -133,7 +133,11 @@ namespace
         }
     std::cout << "strain " << strain << ", step " << step << ": work to "
               << error << ", " << n_flowing << " flow\n";
-    test::check_close(error, 0., 1e-15, "P:H is the change of energy");
+    // from steps of a hundredth of the strain on, energies are subtracted
+    test::check_close(error,
+                      0.,
+                      step < 1e-3 * strain ? 1e-15 : 1e-14,
+                      "P:H is the change of energy");
     test::check(n_flowing > 3 || step > 2e-3 * strain, "some flow");
   }
 
@@ -209,7 +213,7 @@ main()
   for (const double size : {1e-2, 1e-4, 1e-8, 1e-12, 1e-30, 1e-100})
     check_stress(size);
   for (const double strain : {0.1, 1e-3, 1e-6, 1e-12})
-    for (const double step : {3e-3, 1e-5, 1e-8, 1e-12, 1e-16})
+    for (const double step : {3e-3, 3e-5, 1e-5, 1e-8, 1e-12, 1e-16})
       check_energy_change(strain, step);
   for (const double strain : {0.1, 1e-3, 1e-6, 1e-12})
     for (const double step : {1e-3, 1e-5, 1e-8, 1e-12})

@@ -75,11 +75,12 @@ namespace emmy
    * @f]
    * so that P : H equals the change of psi (elastic and hardening energy)
    * plus the dissipation Delta D to round-off. Of materials that give the
-   * change of their energy this has all digits, however small strains and
-   * step; the energies at t + dt are those at t plus these changes. Of other
-   * materials the change is a difference. Where the numerator of the
-   * correction is below its round-off, the correction is zero and the change
-   * of energy what this stress works.
+   * change of their energy this has all digits, however small strains and step
+   * (1e-14 from steps of a hundredth of the elastic strain on, where energies
+   * are subtracted); the energies at t + dt are those at t plus these changes.
+   * Of other materials the change is a difference. Where the numerator of the
+   * correction is below its round-off, the correction is zero and the change of
+   * energy what this stress works.
    *
    * trapezoidal: S is the mean without the correction.
    *
