@@ -68,7 +68,7 @@ namespace emmy
             state.displacement[i] = shape * sine;
             state.velocity[i]     = shape * omega * std::cos(omega * time);
             state.acceleration[i] = -shape * omega * omega * sine;
-            state.F[i][i] = 1. + amplitude[i] * k * std::cos(phase) * sine;
+            state.H[i][i]         = amplitude[i] * k * std::cos(phase) * sine;
             state.F_gradient[i][i][i] = -shape * k * k * sine;
           }
         return state;
@@ -124,11 +124,10 @@ namespace emmy
         const double         c = std::cos(alpha), s = std::sin(alpha);
         Tensor<2, dim>       Q_slope; // dQ/dalpha
         ExactState<dim>      state;
-        Tensor<2, dim>      &F = state.F;
-        F[dim - 1][dim - 1]    = 1.;
-        F[0][0] = F[1][1] = c;
-        F[1][0]           = s;
-        F[0][1]           = -s;
+        Tensor<2, dim>      &H = state.H; // Q - I so far, without cancellation
+        H[0][0] = H[1][1] = -2. * std::pow(std::sin(0.5 * alpha), 2);
+        H[1][0]           = s;
+        H[0][1]           = -s;
         Q_slope[0][0] = Q_slope[1][1] = -s;
         Q_slope[1][0]                 = c;
         Q_slope[0][1]                 = -c;
@@ -138,13 +137,13 @@ namespace emmy
         if (dim == 3)
           in_plane[dim - 1] = 0.;
         const Tensor<1, dim> side = Q_slope * in_plane;
-        const Tensor<1, dim> arm  = F * in_plane; // F is Q so far
+        const Tensor<1, dim> arm  = in_plane + H * in_plane;
 
-        state.displacement = arm - in_plane;
+        state.displacement = H * in_plane;
         state.velocity     = G_dot * profile.value * side;
         state.acceleration = -omega * omega * alpha * side -
                              std::pow(G_dot * profile.value, 2) * arm;
-        F += outer_product(side, slope);
+        H += outer_product(side, slope);
         for (unsigned int K = 0; K < dim; ++K)
           {
             Tensor<1, dim> Q_slope_K;

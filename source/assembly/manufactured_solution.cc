@@ -229,15 +229,16 @@ namespace emmy
         std::array<ExactState<dim>, max_batch_points> states;
         for (unsigned int p = 0; p < batch->n_points; ++p)
           {
-            states[p]     = motion.at(points[first + p], time);
-            const auto &F = states[p].F;
-            batch->left_cauchy_green[p] =
-              mandel::symmetric_part<dim>(F * transpose(F), 1.);
+            states[p] = motion.at(points[first + p], time);
+            batch->left_cauchy_green_less_unit[p] =
+              left_cauchy_green_less_unit<dim>(states[p].H,
+                                               MandelVector<dim>());
           }
         material.evaluate(*batch);
         for (unsigned int p = 0; p < batch->n_points; ++p)
           {
-            const Tensor<2, dim> F_inverse = invert(states[p].F);
+            const Tensor<2, dim> I = dealii::unit_symmetric_tensor<dim>();
+            const Tensor<2, dim> F_inverse = invert(I + states[p].H);
             const Tensor<2, dim> tau =
               mandel::block<dim>(batch->kirchhoff_stress[p]);
             Tensor<1, dim> divergence;

@@ -6,13 +6,18 @@ namespace emmy
 {
   namespace
   {
+    /** A tensor that is carried less the unit tensor and written whole. */
     template <int dim>
     Field
     deformation_field(const std::string &name, const std::string &description)
     {
-      Field      field{name, Field::Kind::symmetric_tensor, "1", description};
-      const auto unit = mandel::unit<dim>();
-      field.initial.assign(unit.begin_raw(), unit.end_raw());
+      Field      field{name + "_less_unit",
+                  Field::Kind::symmetric_tensor,
+                  "1",
+                  description};
+      const auto unit  = mandel::unit<dim>();
+      field.written_as = name;
+      field.written_plus.assign(unit.begin_raw(), unit.end_raw());
       return field;
     }
 
@@ -53,7 +58,7 @@ namespace emmy
     : material_of_body(std::move(material_of_body))
     , names(std::move(names))
     , reference_volume(layout["reference_volume"])
-    , left_cauchy_green(layout.add(
+    , left_cauchy_green_less_unit(layout.add(
         deformation_field<dim>("left_cauchy_green",
                                "left Cauchy-Green tensor b = F F^T")))
     , kirchhoff_stress(layout.add({"kirchhoff_stress",
@@ -127,7 +132,7 @@ namespace emmy
     };
     auto result = std::make_unique<InelasticFields>();
     pays(first);
-    result->elastic_left_cauchy_green =
+    result->elastic_left_cauchy_green_less_unit =
       layout.add(elastic_deformation_field<dim>());
     for (unsigned int body = 0; body < histories.size(); ++body)
       {
@@ -156,8 +161,8 @@ namespace emmy
     constexpr int n = n_mandel<dim>;
     for (unsigned int q = 0; q < batch.n_points; ++q)
       {
-        batch.left_cauchy_green_old[q] =
-          points.template get<n>(left_cauchy_green, first + q);
+        batch.left_cauchy_green_less_unit_old[q] =
+          points.template get<n>(left_cauchy_green_less_unit, first + q);
         batch.kirchhoff_stress_old[q] =
           points.template get<n>(kirchhoff_stress, first + q);
         batch.stored_energy_old[q] =
@@ -184,9 +189,9 @@ namespace emmy
       points.component(inelastic->hardening_energy_density) + first;
     for (unsigned int q = 0; q < batch.n_points; ++q)
       {
-        batch.elastic_left_cauchy_green_old[q] =
+        batch.elastic_left_cauchy_green_less_unit_old[q] =
           points.template get<n_mandel<dim>>(
-            inelastic->elastic_left_cauchy_green, first + q);
+            inelastic->elastic_left_cauchy_green_less_unit, first + q);
         batch.hardening_energy_old[q] = hardening[q];
       }
     for (unsigned int h = 0; h < history.size(); ++h)
@@ -203,11 +208,12 @@ namespace emmy
                            const std::size_t       first,
                            PointArrays<dim>       &trial) const
   {
-    const auto &b = batch.is_inelastic ? batch.left_cauchy_green
-                                       : batch.material.left_cauchy_green;
+    const auto &b = batch.is_inelastic
+                      ? batch.left_cauchy_green_less_unit
+                      : batch.material.left_cauchy_green_less_unit;
     for (unsigned int q = 0; q < batch.n_points; ++q)
       {
-        trial.set(left_cauchy_green, first + q, b[q]);
+        trial.set(left_cauchy_green_less_unit, first + q, b[q]);
         trial.set(kirchhoff_stress,
                   first + q,
                   batch.material.kirchhoff_stress[q]);
@@ -227,9 +233,9 @@ namespace emmy
                                      PointArrays<dim>       &trial) const
   {
     for (unsigned int q = 0; q < batch.n_points; ++q)
-      trial.set(inelastic->elastic_left_cauchy_green,
+      trial.set(inelastic->elastic_left_cauchy_green_less_unit,
                 first + q,
-                batch.material.left_cauchy_green[q]);
+                batch.material.left_cauchy_green_less_unit[q]);
     if (!batch.is_inelastic)
       return; // nothing else ever changes in an elastic body
     const std::vector<unsigned int> &history = inelastic->history[body];

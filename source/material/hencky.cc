@@ -108,6 +108,9 @@ namespace emmy
   {
     const double K = bulk_modulus, G = shear_modulus;
     const auto   b = spectral_decompositions(batch);
+
+    std::vector<PrincipalStep<dim>> steps(
+      batch.with_energy_change ? batch.n_points : 0);
     for (unsigned int p = 0; p < batch.n_points; ++p)
       {
         const auto e = principal_strain(b[p]);
@@ -122,7 +125,18 @@ namespace emmy
           batch.spatial_tangent[p] =
             mandel::transform<dim>(mandel::congruence<dim>(e.b.vectors),
                                    principal_tangent<dim>(e, tau, K, G));
+        if (batch.with_energy_change)
+          steps[p] = {e, tau, {}};
       }
+    if (batch.with_energy_change)
+      fill_energy_changes<dim>(steps.data(), batch);
+  }
+
+  template <int dim>
+  bool
+  Hencky<dim>::gives_energy_change() const
+  {
+    return true;
   }
 
   template <int dim>

@@ -2,28 +2,68 @@
 #include <emmy/material/stress_rules.h>
 #include <emmy/math/kinematics.h>
 
+#include <limits>
+#include <memory>
+
 namespace emmy
 {
+  namespace
+  {
+    /**
+     * Where |C - C_t| is above this part of the elastic strain, a difference of
+     * energies is good enough, and cheaper: its error, divided by the step, is
+     * at most 1e-14 of the stress.
+     */
+    constexpr double largest_small_step = 0.01;
+
+    /** Whether a point of the batch strains less than that. */
+    template <int dim>
+    bool
+    has_small_step(const StressBatch<dim>  &batch,
+                   const MandelVector<dim> *elastic_old)
+    {
+      for (unsigned int p = 0; p < batch.n_points; ++p)
+        {
+          const auto &H = batch.displacement_gradient[p];
+          const auto A = mandel::symmetric_part<dim>(2. * H + transpose(H) * H);
+          if (A.norm_square() < largest_small_step * largest_small_step *
+                                  elastic_old[p].norm_square())
+            return true;
+        }
+      return false;
+    }
+  } // namespace
+
   template <int dim>
   unsigned int
-  update_states(const Material<dim> &material, StressBatch<dim> &batch)
+  update_states(const Material<dim> &material,
+                StressBatch<dim>    &batch,
+                const bool           with_energy_change)
   {
     const dealii::Tensor<2, dim> I = dealii::unit_symmetric_tensor<dim>();
     const auto                  &elastic_old = batch.is_inelastic
-                                                 ? batch.elastic_left_cauchy_green_old
-                                                 : batch.left_cauchy_green_old;
+                                                 ? batch.elastic_left_cauchy_green_less_unit_old
+                                                 : batch.left_cauchy_green_less_unit_old;
     batch.material.n_points                  = batch.n_points;
     batch.material.with_tangent              = batch.with_tangent;
+    batch.material.with_energy_change =
+      with_energy_change && material.gives_energy_change() &&
+      has_small_step(batch, elastic_old.data());
+    batch.material.step = {batch.displacement_gradient.data(),
+                           elastic_old.data(),
+                           batch.kirchhoff_stress_old.data()};
     for (unsigned int p = 0; p < batch.n_points; ++p)
       {
-        const dealii::Tensor<2, dim> F = I + batch.displacement_gradient[p];
+        const dealii::Tensor<2, dim> &H = batch.displacement_gradient[p];
         // also catches NaN
-        if (!(dealii::determinant(F) > 0.))
+        if (!(dealii::determinant(I + H) > 0.))
           return p;
-        const MandelMatrix<dim> Q           = mandel::congruence<dim>(F);
-        batch.material.left_cauchy_green[p] = Q * elastic_old[p];
+        batch.material.left_cauchy_green_less_unit[p] =
+          left_cauchy_green_less_unit<dim>(H, elastic_old[p]);
         if (batch.is_inelastic)
-          batch.left_cauchy_green[p] = Q * batch.left_cauchy_green_old[p];
+          batch.left_cauchy_green_less_unit[p] =
+            left_cauchy_green_less_unit<dim>(
+              H, batch.left_cauchy_green_less_unit_old[p]);
       }
     material.evaluate(batch.material);
     return batch.n_points;
@@ -31,8 +71,20 @@ namespace emmy
 
   namespace
   {
-    /** Below this ratio |C - C_t| / |C_t| the energy correction is dropped. */
-    constexpr double smallest_increment = 1e-8;
+    /** |C - C_t|^2 of a step that is none: there squares would underflow. */
+    constexpr double smallest_square = 1e-250;
+
+    /**
+     * Below this ratio of |C - C_t| to the elastic strain the derivative of
+     * the energy correction is left out. It is a difference of stresses
+     * divided by the step: round-off would be worse than what is left out,
+     * which is as small as the step. The stress has its correction.
+     */
+    constexpr double smallest_slope = 1e-8;
+
+    /** An energy difference below this part of the energies is round-off. */
+    constexpr double energy_round_off =
+      4. * std::numeric_limits<double>::epsilon();
 
     /**
      * dP/dH from S and a matrix C with dS = C : sym(F^T dH):
@@ -104,30 +156,69 @@ namespace emmy
     unsigned int
     evaluate_end(const Material<dim> &material,
                  StressBatch<dim>    &batch,
-                 Steps<dim>          &steps)
+                 Steps<dim>          &steps,
+                 const bool           with_energy_change = false)
     {
-      const unsigned int inverted = update_states(material, batch);
+      const unsigned int inverted =
+        update_states(material, batch, with_energy_change);
       if (inverted == batch.n_points)
         for (unsigned int p = 0; p < batch.n_points; ++p)
           steps[p] = step_kinematics<dim>(batch.displacement_gradient[p]);
       return inverted;
     }
 
-    /** Change of psi plus dissipation of each point, J/m^3. */
+    /** Changes of energy that the material was not asked for, or cannot give.
+     */
     template <int dim>
-    typename StressBatch<dim>::template PerPoint<double>
-    energy_changes(const StressBatch<dim> &batch)
+    void
+    subtract_energies(const bool is_given, StressBatch<dim> &batch)
     {
-      typename StressBatch<dim>::template PerPoint<double> change;
-      for (unsigned int p = 0; p < batch.n_points; ++p)
-        change[p] =
-          batch.material.stored_energy[p] - batch.stored_energy_old[p];
-      if (batch.is_inelastic)
+      MaterialBatch<dim> &material = batch.material;
+      if (!material.with_energy_change)
         for (unsigned int p = 0; p < batch.n_points; ++p)
-          change[p] += batch.material.hardening_energy[p] -
-                       batch.hardening_energy_old[p] +
-                       batch.material.dissipation[p];
-      return change;
+          material.stored_energy_change[p] =
+            material.stored_energy[p] - batch.stored_energy_old[p];
+      if (batch.is_inelastic && !is_given)
+        for (unsigned int p = 0; p < batch.n_points; ++p)
+          material.hardening_energy_change[p] =
+            material.hardening_energy[p] - batch.hardening_energy_old[p];
+    }
+
+    /**
+     * 2 (Delta psi + Delta D) - work of a point, J/m^3, and its energies at
+     * t + dt: those at t plus their changes.
+     *
+     * @param work twice what the mean stress works, S : A
+     */
+    template <int dim>
+    double
+    missing_energy(StressBatch<dim>  &batch,
+                   const unsigned int p,
+                   const double       work)
+    {
+      MaterialBatch<dim> &material = batch.material;
+      double              change   = material.stored_energy_change[p];
+      double              size     = std::abs(batch.stored_energy_old[p]) +
+                    std::abs(material.stored_energy[p]);
+      if (batch.is_inelastic)
+        {
+          change +=
+            material.hardening_energy_change[p] + material.dissipation[p];
+          size += batch.hardening_energy_old[p] + material.hardening_energy[p];
+        }
+      double missing = 2. * change - work;
+      if (!material.with_energy_change &&
+          std::abs(missing) <= energy_round_off * size)
+        {
+          material.stored_energy_change[p] -= 0.5 * missing;
+          missing = 0.;
+        }
+      material.stored_energy[p] =
+        batch.stored_energy_old[p] + material.stored_energy_change[p];
+      if (batch.is_inelastic)
+        material.hardening_energy[p] =
+          batch.hardening_energy_old[p] + material.hardening_energy_change[p];
+      return missing;
     }
 
     template <int dim>
@@ -135,18 +226,19 @@ namespace emmy
     conserving(const Material<dim> &material, StressBatch<dim> &batch)
     {
       Steps<dim>         steps;
-      const unsigned int inverted = evaluate_end(material, batch, steps);
+      const unsigned int inverted = evaluate_end(material, batch, steps, true);
       if (inverted < batch.n_points)
         return inverted;
-      const auto energy_change = energy_changes(batch);
+      subtract_energies(material.gives_energy_change(), batch);
 
       for (unsigned int p = 0; p < batch.n_points; ++p)
         {
-          const auto &step = steps[p];
-          const auto &A    = step.metric_change;
-          const auto b_old = mandel::block<dim>(batch.left_cauchy_green_old[p]);
-          const auto Q     = mandel::congruence<dim>(step.increment_inverse);
-          const auto Q_b   = mandel::congruence<dim>(b_old);
+          const auto &step  = steps[p];
+          const auto &A     = step.metric_change;
+          const auto  b_old = mandel::block<dim>(
+            mandel::plus_unit<dim>(batch.left_cauchy_green_less_unit_old[p]));
+          const auto Q   = mandel::congruence<dim>(step.increment_inverse);
+          const auto Q_b = mandel::congruence<dim>(b_old);
 
           const MandelVector<dim> S1 = Q * batch.material.kirchhoff_stress[p];
           const MandelVector<dim> S_average =
@@ -154,12 +246,8 @@ namespace emmy
           const MandelVector<dim> B  = Q_b * A;
           const double            nu = A * B; // |C - C_t|^2
 
-          // |C_t|^2 = b_t : b_t
-          const bool is_corrected =
-            nu > smallest_increment * smallest_increment *
-                   batch.left_cauchy_green_old[p].norm_square();
-          const double correction =
-            is_corrected ? (2. * energy_change[p] - S_average * A) / nu : 0.;
+          const double missing    = missing_energy(batch, p, S_average * A);
+          const double correction = nu > smallest_square ? missing / nu : 0.;
 
           const MandelVector<dim> S = S_average + correction * B;
           batch.nominal_stress[p] = step.increment_mid * mandel::block<dim>(S);
@@ -169,7 +257,10 @@ namespace emmy
           const MandelMatrix<dim> dS1 =
             0.5 * mandel::transform<dim>(Q, batch.material.spatial_tangent[p]);
           MandelMatrix<dim> dS = 0.5 * dS1;
-          if (is_corrected)
+          if (nu > smallest_square &&
+              nu > smallest_slope * smallest_slope *
+                     batch.material.step.left_cauchy_green_less_unit_old[p]
+                       .norm_square())
             {
               // d(psi + dissipation)/dC = S1/2
               const MandelVector<dim> gradient =
@@ -234,13 +325,15 @@ namespace emmy
     mid_point(const Material<dim> &material, StressBatch<dim> &batch)
     {
       // the step to the mid-point, as if it were a step
-      const auto mid                     = std::make_unique<StressBatch<dim>>();
-      mid->n_points                      = batch.n_points;
-      mid->with_tangent                  = batch.with_tangent;
-      mid->is_inelastic                  = batch.is_inelastic;
-      mid->material.history              = batch.material.history;
-      mid->left_cauchy_green_old         = batch.left_cauchy_green_old;
-      mid->elastic_left_cauchy_green_old = batch.elastic_left_cauchy_green_old;
+      const auto mid        = std::make_unique<StressBatch<dim>>();
+      mid->n_points         = batch.n_points;
+      mid->with_tangent     = batch.with_tangent;
+      mid->is_inelastic     = batch.is_inelastic;
+      mid->material.history = batch.material.history;
+      mid->left_cauchy_green_less_unit_old =
+        batch.left_cauchy_green_less_unit_old;
+      mid->elastic_left_cauchy_green_less_unit_old =
+        batch.elastic_left_cauchy_green_less_unit_old;
       for (unsigned int p = 0; p < batch.n_points; ++p)
         mid->displacement_gradient[p] = 0.5 * batch.displacement_gradient[p];
 
@@ -313,7 +406,7 @@ namespace emmy
   stress_rule<3>(const std::string &);
 
   template unsigned int
-  update_states<2>(const Material<2> &, StressBatch<2> &);
+  update_states<2>(const Material<2> &, StressBatch<2> &, const bool);
   template unsigned int
-  update_states<3>(const Material<3> &, StressBatch<3> &);
+  update_states<3>(const Material<3> &, StressBatch<3> &, const bool);
 } // namespace emmy

@@ -48,6 +48,9 @@ namespace emmy
     const double K = constants.bulk_modulus, G = constants.shear_modulus;
     const double H = surface.hardening_modulus;
     const auto   b = spectral_decompositions(batch);
+
+    std::vector<PrincipalStep<dim>> steps(
+      batch.with_energy_change ? batch.n_points : 0);
     for (unsigned int p = 0; p < batch.n_points; ++p)
       {
         const auto   e             = principal_strain(b[p]);
@@ -60,26 +63,33 @@ namespace emmy
         // what is left of the trial's deviator, and its direction: zero where
         // nothing flows, so that a point without a deviator has one
         const double          kept = flow > 0. ? 1. - flow / deviator_norm : 1.;
-        std::array<double, 3> tau, direction{};
+        std::array<double, 3> tau, direction{}, flow_strain{};
         for (unsigned int i = 0; i < 3; ++i)
           tau[i] = K * e.trace + 2. * G * kept * e.deviator[i];
         if (flow > 0.)
           {
-            std::array<double, 3> b_elastic;
+            std::array<double, 3> b_elastic; // less 1
             for (unsigned int i = 0; i < 3; ++i)
               {
-                direction[i] = e.deviator[i] / deviator_norm;
+                direction[i]   = e.deviator[i] / deviator_norm;
+                flow_strain[i] = flow * direction[i];
                 b_elastic[i] =
-                  e.b.values[i] * std::exp(-2. * flow * direction[i]);
+                  e.b.values[i] +
+                  (1. + e.b.values[i]) * std::expm1(-2. * flow_strain[i]);
               }
-            batch.left_cauchy_green[p] = from_principal(e, b_elastic);
+            batch.left_cauchy_green_less_unit[p] = from_principal(e, b_elastic);
           }
+        const double xi_old = xi;
         xi += sqrt_two_thirds * flow;
         batch.kirchhoff_stress[p] = from_principal(e, tau);
         batch.stored_energy[p] =
           0.5 * K * e.trace * e.trace + G * kept * kept * e.deviator_squared;
         batch.hardening_energy[p] = 0.5 * H * xi * xi;
         batch.dissipation[p]      = surface.radius * flow;
+        batch.hardening_energy_change[p] =
+          0.5 * H * (xi_old + xi) * sqrt_two_thirds * flow;
+        if (batch.with_energy_change)
+          steps[p] = {e, tau, flow_strain};
 
         if (!batch.with_tangent)
           continue;
@@ -94,6 +104,15 @@ namespace emmy
         batch.spatial_tangent[p] =
           mandel::transform<dim>(mandel::congruence<dim>(e.b.vectors), c);
       }
+    if (batch.with_energy_change)
+      fill_energy_changes<dim>(steps.data(), batch);
+  }
+
+  template <int dim>
+  bool
+  VonMises<dim>::gives_energy_change() const
+  {
+    return true;
   }
 
   template <int dim>

@@ -7,6 +7,9 @@ namespace emmy
 {
   namespace
   {
+    /** Smaller components are zero: their squares would underflow. */
+    constexpr double smallest = 1e-150;
+
     /**
      * One Jacobi rotation in the (p,q) plane of the symmetric tensor A, which
      * makes A[p][q] zero. V collects the rotations.
@@ -19,7 +22,7 @@ namespace emmy
            dealii::Tensor<2, dim> &V)
     {
       const double apq = A[p][q];
-      if (apq == 0.)
+      if (std::abs(apq) < smallest)
         return;
       const double half = 0.5 * (A[q][q] - A[p][p]);
       // tan of the smaller rotation angle, without overflow or cancellation
@@ -102,7 +105,7 @@ namespace emmy
         for (unsigned int k = 0; k < n; ++k)
           {
             const double apq   = A[p][q][k];
-            const bool   is_on = open[k] * apq != 0.;
+            const bool   is_on = open[k] * std::abs(apq) >= smallest;
             const double half  = 0.5 * (A[q][q][k] - A[p][p][k]);
             const double root  = std::sqrt(half * half + apq * apq);
             const double sum = half + root, difference = half - root;

@@ -48,6 +48,11 @@ namespace emmy
     for (const Field &field : list)
       if (field.name == name)
         return field.offset;
+    for (const Field &field : list)
+      AssertThrow(field.written_as != name,
+                  dealii::ExcMessage("Particles carry the field <" + name +
+                                     "> less a constant, as <" + field.name +
+                                     ">. Read that, and add the constant."));
     AssertThrow(false,
                 dealii::ExcMessage("The particles have no field <" + name +
                                    ">. The effect that uses it must ask for "

@@ -17,6 +17,14 @@ namespace emmy
     /** What the damped try may leave, of forces and of works. */
     constexpr double singular_tolerance = 1e-8;
 
+    /**
+     * An increment with displacement gradients below this is linear to as many
+     * digits; it lowers |r| as much, unless that is round-off.
+     */
+    constexpr double linear_size = 1e-4;
+    /** Below this they are round-off, whatever is left of |r|. */
+    constexpr double smallest_size = 1e-14;
+
     /** The largest change of a displacement gradient in one increment. */
     constexpr double largest_size = 0.3;
 
@@ -186,6 +194,24 @@ namespace emmy
                 work_round_off * equation.work_scale());
     }
 
+    /**
+     * Whether |r| is what the round-off of its evaluation makes it: the last
+     * increment, found with the true matrix, was small enough to be linear
+     * and still has not lowered |r|. What is left must not matter, or the
+     * increment be round-off itself: in a body that is stressed but in balance
+     * the forces that are measured with are round-off too. Collective.
+     */
+    bool
+    is_noise() const
+    {
+      const auto  &history = result.residual_history;
+      const double before  = history[history.size() - 2];
+      if (norm <= 0.5 * before)
+        return false;
+      const double size = equation.size(increment);
+      return size <= smallest_size || (size <= linear_size && is_left_over());
+    }
+
     /** What is left does not matter, whether or not it can be lowered. */
     bool
     is_left_over() const
@@ -255,7 +281,8 @@ namespace emmy
           if (!iteration.find_increment(mu *= 100.))
             return;
 
-        bool has_meaning = iteration.take();
+        bool       has_meaning = iteration.take();
+        const bool is_newtons  = has_meaning && mu == least_damping;
         for (unsigned int halving = 0; !has_meaning && halving < 6; ++halving)
           {
             iteration.equation.halve(iteration.solution, iteration.increment);
@@ -268,6 +295,11 @@ namespace emmy
           }
         if (iteration.is_converged())
           return;
+        if (is_newtons && iteration.is_noise())
+          {
+            iteration.result.is_converged = true;
+            return;
+          }
       }
   }
 

@@ -153,7 +153,7 @@ namespace emmy
         , modulus_of_body(std::move(modulus_of_body))
         , mass(layout["mass"])
         , reference_volume(layout["reference_volume"])
-        , left_cauchy_green(layout["left_cauchy_green"])
+        , left_cauchy_green_less_unit(layout["left_cauchy_green_less_unit"])
       {}
 
       double
@@ -207,14 +207,16 @@ namespace emmy
       determinant_of_b(const PointArrays<dim> &points,
                        const std::size_t       p) const
       {
-        const auto b = points.template get<n_mandel<dim>>(left_cauchy_green, p);
-        return determinant(mandel::block<dim>(b)) * (dim == 2 ? b[3] : 1.);
+        return 1. +
+               mandel::determinant_less_one<dim>(
+                 points.template get<n_mandel<dim>>(left_cauchy_green_less_unit,
+                                                    p));
       }
 
       const double              factor_times_h;
       const bool                is_normalised;
       const std::vector<double> modulus_of_body;
-      const unsigned int        mass, reference_volume, left_cauchy_green;
+      const unsigned int mass, reference_volume, left_cauchy_green_less_unit;
     };
   } // namespace
 

@@ -114,7 +114,7 @@ namespace emmy
     std::vector<FieldDescription> fields{{"id", 1, "1", "particle id"}};
     for (const Field &field : scene.layout.fields())
       fields.push_back(
-        {field.name,
+        {field.written_name(),
          field.kind == Field::Kind::tensor ? 9 : field.n_components,
          field.unit,
          field.description});
@@ -139,8 +139,9 @@ namespace emmy
                 const bool is_shear =
                   field.kind == Field::Kind::symmetric_tensor && c >= dim &&
                   c < n_in_plane<dim>;
-                values.push_back(properties[field.offset + c] /
-                                 (is_shear ? mandel::sqrt2 : 1.));
+                values.push_back(
+                  field.written(c, properties[field.offset + c]) /
+                  (is_shear ? mandel::sqrt2 : 1.));
               }
         file.add_point(particle.get_location(),
                        dealii::ArrayView<const double>(values.data(),

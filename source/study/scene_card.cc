@@ -116,7 +116,7 @@ namespace emmy
         for (const Field &field : layout.fields())
           if (field.asked_by == effect.name)
             {
-              counted.fields.push_back(field.name);
+              counted.fields.push_back(field.written_name());
               counted.n_numbers += field.n_components;
             }
         card.effects.push_back(counted);

@@ -17,12 +17,13 @@ namespace emmy
     template <int dim>
     double
     volume_ratio(const PointArrays<dim> &trial,
-                 const unsigned int      left_cauchy_green,
+                 const unsigned int      left_cauchy_green_less_unit,
                  const std::size_t       p)
     {
-      const auto b = trial.template get<n_mandel<dim>>(left_cauchy_green, p);
-      return std::sqrt(determinant(mandel::block<dim>(b)) *
-                       (dim == 2 ? b[3] : 1.));
+      return std::sqrt(
+        1. +
+        mandel::determinant_less_one<dim>(
+          trial.template get<n_mandel<dim>>(left_cauchy_green_less_unit, p)));
     }
 
     /** l = l0 (det F)^(1/dim). */
@@ -34,7 +35,7 @@ namespace emmy
                    const FieldLayout                  &layout)
         : initial(std::move(initial))
         , half_length(layout["half_length"])
-        , left_cauchy_green(layout["left_cauchy_green"])
+        , left_cauchy_green_less_unit(layout["left_cauchy_green_less_unit"])
       {}
 
       void
@@ -47,10 +48,10 @@ namespace emmy
         for (const auto &group : stencils.groups)
           for (unsigned int q = 0; q < group.n_points; ++q)
             {
-              const std::size_t p = group.first_point + q;
-              const double      scale =
-                std::pow(volume_ratio<dim>(trial, left_cauchy_green, p),
-                         1. / dim);
+              const std::size_t p     = group.first_point + q;
+              const double      scale = std::pow(
+                volume_ratio<dim>(trial, left_cauchy_green_less_unit, p),
+                1. / dim);
               trial.set(half_length, p, scale * initial[group.body]);
             }
       }
@@ -64,7 +65,7 @@ namespace emmy
         MiddleBox<dim> box;
         box.half_length =
           std::pow(determinant(Z) *
-                     volume_ratio<dim>(states, left_cauchy_green, p),
+                     volume_ratio<dim>(states, left_cauchy_green_less_unit, p),
                    1. / dim) *
           initial[body];
         // d ln det F_mid = tr(Z dL)/2
@@ -75,7 +76,7 @@ namespace emmy
 
     private:
       const std::vector<dealii::Tensor<1, dim>> initial; // of each body
-      const unsigned int                        half_length, left_cauchy_green;
+      const unsigned int half_length, left_cauchy_green_less_unit;
     };
 
     /** From F: l_i = l0_i F_ii or l0_i U_ii. Also keeps F. */
@@ -230,7 +231,7 @@ namespace emmy
         : initial(std::move(initial))
         , grid(grid)
         , half_length(layout["half_length"])
-        , left_cauchy_green(layout["left_cauchy_green"])
+        , left_cauchy_green_less_unit(layout["left_cauchy_green_less_unit"])
       {}
 
       void
@@ -271,7 +272,8 @@ namespace emmy
                     }
                 }
               dealii::Tensor<1, dim> moved;
-              double ratio = volume_ratio<dim>(trial, left_cauchy_green, p);
+              double                 ratio =
+                volume_ratio<dim>(trial, left_cauchy_green_less_unit, p);
               for (unsigned int d = 0; d < dim; ++d)
                 {
                   moved[d] = 0.5 * l[d] / used[d] * (highest[d] - lowest[d]);
@@ -334,7 +336,7 @@ namespace emmy
 
       const std::vector<dealii::Tensor<1, dim>> initial;
       const BackgroundGrid<dim>                &grid;
-      const unsigned int                        half_length, left_cauchy_green;
+      const unsigned int half_length, left_cauchy_green_less_unit;
     };
   } // namespace
 

@@ -317,16 +317,17 @@ namespace emmy
       {
         return [b](Scene<dim> &scene) {
           MaterialBatch<dim> batch;
-          batch.n_points             = 1;
-          batch.with_tangent         = false;
-          batch.left_cauchy_green[0] = b;
+          batch.n_points                       = 1;
+          batch.with_tangent                   = false;
+          batch.left_cauchy_green_less_unit[0] = b - mandel::unit<dim>();
           scene.material_of_body[0]->evaluate(batch);
           for (auto &particle : scene.particles)
             {
               auto values = particle.get_properties();
               for (unsigned int c = 0; c < n_mandel<dim>; ++c)
                 {
-                  values[scene.layout["left_cauchy_green"] + c] = b[c];
+                  values[scene.layout["left_cauchy_green_less_unit"] + c] =
+                    batch.left_cauchy_green_less_unit[0][c];
                   values[scene.layout["kirchhoff_stress"] + c] =
                     batch.kirchhoff_stress[0][c];
                 }

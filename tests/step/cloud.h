@@ -184,10 +184,11 @@ namespace emmy
                 const double                  b33,
                 std::vector<double>          &values) const
       {
-        const auto b = mandel::symmetric_part<dim>(F * transpose(F), b33);
+        const auto b = mandel::symmetric_part<dim>(F * transpose(F), b33) -
+                       mandel::unit<dim>();
         MaterialBatch<dim> state;
-        state.n_points             = 1;
-        state.left_cauchy_green[0] = b;
+        state.n_points                       = 1;
+        state.left_cauchy_green_less_unit[0] = b;
         state.history.resize(material->history().size());
         for (auto &history : state.history)
           history[0] = 0.;
@@ -196,12 +197,13 @@ namespace emmy
           for (unsigned int c = 0; c < n_mandel<dim>; ++c)
             values[layout[name] + c] = tensor[c];
         };
-        set("left_cauchy_green", b);
+        set("left_cauchy_green_less_unit", b);
         set("kirchhoff_stress", state.kirchhoff_stress[0]);
         values[layout["strain_energy_density"]] = state.stored_energy[0];
         if (state.history.empty())
           return;
-        set("elastic_left_cauchy_green", state.left_cauchy_green[0]);
+        set("elastic_left_cauchy_green_less_unit",
+            state.left_cauchy_green_less_unit[0]);
         values[layout["equivalent_plastic_strain"]] = state.history[0][0];
         values[layout["hardening_energy_density"]]  = state.hardening_energy[0];
         values[layout["plastic_dissipation_density"]] = state.dissipation[0];

@@ -102,9 +102,10 @@ namespace
           u[dim * node + d] = motion[d];
       }
     PointArrays<dim> trial = points;
-    trial.set(layout["left_cauchy_green"],
+    trial.set(layout["left_cauchy_green_less_unit"],
               0,
-              mandel::symmetric_part<dim>(F * transpose(F), 1.));
+              mandel::symmetric_part<dim>(F * transpose(F), 1.) -
+                mandel::unit<dim>());
     (*update)(stencils, points, active, u, trial);
     return trial.template get<dim>(layout["half_length"], 0);
   }

@@ -1,6 +1,7 @@
 // emmy with one more value of <Model>, compressible neo-Hooke elasticity:
 //   psi = G/2 (tr b - 3 - 2 ln J) + lambda/2 (ln J)^2.
 #include <emmy/material/material.h>
+#include <emmy/math/spectral.h>
 #include <emmy/study/program.h>
 
 using namespace emmy;
@@ -26,13 +27,16 @@ struct NeoHooke : public Material<dim>
     const auto I = mandel::unit<dim>(); // symmetric tensors are vectors
     for (unsigned int p = 0; p < batch.n_points; ++p)
       {
-        const auto  &b    = batch.left_cauchy_green[p];
-        const double b_33 = dim == 2 ? b[3] : 1.; // plane strain
-        const double ln_J =
-          0.5 * std::log(b_33 * determinant(mandel::block<dim>(b)));
-        batch.kirchhoff_stress[p] = G * (b - I) + lambda * ln_J * I;
+        // b - I and the invariants of it: small strains keep their digits
+        const auto &b_less_I    = batch.left_cauchy_green_less_unit[p];
+        const auto [i1, i2, i3] = mandel::invariants<dim>(b_less_I);
+        const double x          = i1 + i2 + i3; // J^2 - 1
+        const double ln_J       = 0.5 * std::log1p(x);
+        // tr b - 3 - 2 ln J
+        const double isochoric    = less_log1p(x) - i2 - i3;
+        batch.kirchhoff_stress[p] = G * b_less_I + lambda * ln_J * I;
         batch.stored_energy[p] =
-          0.5 * G * (b * I - 3. - 2. * ln_J) + 0.5 * lambda * ln_J * ln_J;
+          0.5 * G * isochoric + 0.5 * lambda * ln_J * ln_J;
         batch.spatial_tangent[p] = lambda * outer_product(I, I);
         for (unsigned int i = 0; i < n_mandel<dim>; ++i)
           batch.spatial_tangent[p][i][i] += 2. * (G - lambda * ln_J);

@@ -19,7 +19,7 @@ namespace emmy
     dealii::Tensor<1, dim> displacement; ///< x - X, m
     dealii::Tensor<1, dim> velocity;     ///< m/s
     dealii::Tensor<1, dim> acceleration; ///< m/s^2
-    dealii::Tensor<2, dim> F;            ///< dx/dX
+    dealii::Tensor<2, dim> H;            ///< du/dX = F - I
     /** dF/dX_J, 1/m, J = 0 ... dim - 1. */
     std::array<dealii::Tensor<2, dim>, dim> F_gradient;
   };

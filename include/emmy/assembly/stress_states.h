@@ -10,11 +10,11 @@ namespace emmy
   constexpr const char *internal_force_effect = "internal force";
 
   /**
-   * What particles remember of their deformation and stress: b, tau and the
-   * elastic energy; where a material of the scene has history also b^e, the
-   * history, the energy stored by hardening and the dissipation so far. Reads
-   * them in batches at t and writes them at t + dt. Owned by the force that
-   * has this stress.
+   * What particles remember of their deformation and stress: b - I, tau and
+   * the elastic energy; where a material of the scene has history also
+   * b^e - I, the history, the energy stored by hardening and the dissipation so
+   * far. Reads them in batches at t and writes them at t + dt. Owned by the
+   * force that has this stress.
    */
   template <int dim>
   class StressStates
@@ -132,8 +132,8 @@ namespace emmy
     /** First components of the fields that only inelastic scenes have. */
     struct InelasticFields
     {
-      unsigned int elastic_left_cauchy_green, hardening_energy_density,
-        plastic_dissipation_density;
+      unsigned int elastic_left_cauchy_green_less_unit,
+        hardening_energy_density, plastic_dissipation_density;
       /** Per body: of its material's history. */
       std::vector<std::vector<unsigned int>> history;
     };
@@ -159,8 +159,8 @@ namespace emmy
 
     const std::vector<const Material<dim> *> material_of_body;
     const std::vector<std::string>           names; // one per body, or none
-    const unsigned int reference_volume, left_cauchy_green, kirchhoff_stress,
-      strain_energy_density;
+    const unsigned int reference_volume, left_cauchy_green_less_unit,
+      kirchhoff_stress, strain_energy_density;
     const std::unique_ptr<const InelasticFields> inelastic; // none if elastic
   };
 

@@ -30,6 +30,27 @@ namespace emmy
     unsigned int        offset       = 0; ///< set by the layout
     /** The effect that asked first; set by the layout. */
     std::string asked_by = {};
+
+    /**
+     * Of a field that particles carry less a constant, to keep the digits of
+     * small numbers: the name under which the whole is written and told, and
+     * the constant, one per component. Empty: as it is carried.
+     */
+    std::string         written_as   = {};
+    std::vector<double> written_plus = {};
+
+    const std::string &
+    written_name() const
+    {
+      return written_as.empty() ? name : written_as;
+    }
+
+    /** The number to write for a component that is carried as @p value. */
+    double
+    written(const unsigned int component, const double value) const
+    {
+      return written_plus.empty() ? value : value + written_plus[component];
+    }
   };
 } // namespace emmy
 

@@ -37,7 +37,8 @@ namespace emmy
    * strain e = 1/2 ln b, psi = K/2 tr(e)^2 + G |dev e|^2, so that
    * tau = K tr(e) I + 2 G dev e (formulation of Pretti et al. 2023, sec. 6).
    *
-   * Cost per point: one spectral decomposition and three logarithms.
+   * Cost per point: one spectral decomposition and three logarithms; as much
+   * again where the change of energy is wanted.
    */
   template <int dim>
   class Hencky : public Material<dim>
@@ -48,6 +49,9 @@ namespace emmy
 
     void
     evaluate(MaterialBatch<dim> &batch) const override;
+
+    bool
+    gives_energy_change() const override;
 
     double
     density() const override;

@@ -27,13 +27,29 @@ namespace emmy
 
     // in and out
     /**
-     * Elastic left Cauchy-Green tensor. In: of the trial, Delta F b^e_t
-     * Delta F^T. Out: after the flow of this step. A material without history
-     * leaves it.
+     * Elastic left Cauchy-Green tensor b less the unit tensor, so that small
+     * strains have all their digits. In: of the trial, Delta F b^e_t
+     * Delta F^T - I. Out: after the flow of this step. A material without
+     * history leaves it.
      */
-    PerPoint<MandelVector<dim>> left_cauchy_green;
+    PerPoint<MandelVector<dim>> left_cauchy_green_less_unit;
     /** One array per field of Material::history(). In: at t. Out: at t+dt. */
     std::vector<PerPoint<double>> history;
+
+    // in
+    /** The step that led to the trial. Borrowed, one entry per point. */
+    struct Step
+    {
+      /** Displacement gradient of the step, with respect to positions at t. */
+      const dealii::Tensor<2, dim> *displacement_gradient = nullptr;
+      /** Elastic left Cauchy-Green tensor less the unit tensor, at t. */
+      const MandelVector<dim> *left_cauchy_green_less_unit_old = nullptr;
+      /** Kirchhoff stress at t, Pa. */
+      const MandelVector<dim> *kirchhoff_stress_old = nullptr;
+    };
+    /** Only if with_energy_change, for materials that give it. */
+    bool with_energy_change = false;
+    Step step;
 
     // out
     /** Kirchhoff stress tau, Pa per unit reference volume. */
@@ -46,11 +62,25 @@ namespace emmy
      */
     PerPoint<double> hardening_energy, dissipation;
     /**
+     * What the step changed of the energies stored elastically and by
+     * hardening, J per unit reference volume: not as differences, but with all
+     * their digits, however small the step. Only if with_energy_change, of
+     * materials that give it.
+     */
+    PerPoint<double> stored_energy_change, hardening_energy_change;
+    /**
      * Spatial tangent c of the Lie derivative, L_v tau = c : d, Pa: that is
      * c = d tau / d(strain increment) - (tau d + d tau). Only if
      * with_tangent.
      */
     PerPoint<MandelMatrix<dim>> spatial_tangent;
+
+    /** The tensor b (b^e) itself, of point @p p. */
+    MandelVector<dim>
+    left_cauchy_green(const unsigned int p) const
+    {
+      return mandel::plus_unit<dim>(left_cauchy_green_less_unit[p]);
+    }
   };
 
   /**
@@ -85,6 +115,16 @@ namespace emmy
     /** Fill the out fields of the batch from its in fields. */
     virtual void
     evaluate(MaterialBatch<dim> &batch) const = 0;
+
+    /**
+     * Whether evaluate() fills the changes of energy on demand. Otherwise they
+     * are differences, which lose digits when a step strains little.
+     */
+    virtual bool
+    gives_energy_change() const
+    {
+      return false;
+    }
 
     /** Density of the reference configuration, kg/m^3. */
     virtual double

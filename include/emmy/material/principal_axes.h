@@ -14,27 +14,27 @@ namespace emmy
   template <int dim>
   struct PrincipalStrain
   {
-    SpectralDecomposition<dim> b;
-    std::array<double, 3>      log_b;            ///< logarithms of b.values
+    SpectralDecomposition<dim> b;                ///< b - I
+    std::array<double, 3>      log_b;            ///< ln(1 + b.values)
     std::array<double, 3>      deviator;         ///< dev e
     double                     trace;            ///< tr e
     double                     deviator_squared; ///< |dev e|^2
   };
 
-  /** Of the tensors b of a batch. */
+  /** Of the tensors b - I of the trial. */
   template <int dim>
   inline std::array<SpectralDecomposition<dim>, max_batch_points>
   spectral_decompositions(const MaterialBatch<dim> &batch)
   {
     static_assert(max_batch_points <= max_spectral_batch, "");
     std::array<SpectralDecomposition<dim>, max_batch_points> result;
-    spectral_decompositions<dim>(batch.left_cauchy_green.data(),
+    spectral_decompositions<dim>(batch.left_cauchy_green_less_unit.data(),
                                  batch.n_points,
                                  result.data());
     return result;
   }
 
-  /** Cost: three logarithms. @param b spectral decomposition of b */
+  /** Cost: three logarithms. @param b spectral decomposition of b - I */
   template <int dim>
   inline PrincipalStrain<dim>
   principal_strain(const SpectralDecomposition<dim> &b)
@@ -42,7 +42,7 @@ namespace emmy
     PrincipalStrain<dim> e;
     e.b = b;
     for (unsigned int i = 0; i < 3; ++i)
-      e.log_b[i] = std::log(e.b.values[i]);
+      e.log_b[i] = log_one_plus(e.b.values[i]);
     e.trace = 0.5 * (e.log_b[0] + e.log_b[1] + e.log_b[2]);
 
     e.deviator_squared = 0.;
@@ -114,6 +114,52 @@ namespace emmy
       }
     return c;
   }
+
+  /** What one point has done in a step, in its principal axes. */
+  template <int dim>
+  struct PrincipalStep
+  {
+    PrincipalStrain<dim>  trial;
+    std::array<double, 3> stress; ///< after flow, Pa
+    /** Plastic strain of the step, by which e is less than that of the trial.
+     */
+    std::array<double, 3> flow;
+  };
+
+  /**
+   * What a step changes of an energy that is quadratic in the logarithmic
+   * strain: Delta psi = 1/2 (tau + tau_t) : (e - e_t), with all digits however
+   * small the step. The strains are turned into one frame, that of
+   * a_t = b_t and a = sqrt(b_t) (I + A) sqrt(b_t), A = Delta F^T Delta F - I,
+   * which has the principal values of the trial b. With principal values and
+   * axes alpha_i, p_i of a and beta_j, w_j of b_t, exactly
+   * @f[ \ln a - \ln b_t = \sum_{ij}
+   *     \frac{\ln\alpha_i-\ln\beta_j}{\alpha_i-\beta_j}\,
+   *     (p_i\cdot(a-b_t)\,w_j)\; p_i\otimes w_j , @f]
+   * where a - b_t = sqrt(b_t) A sqrt(b_t) is never a difference. The axes p_i
+   * follow from those of the trial, v_i:
+   * p_i = sqrt(b_t) Delta F^T v_i / sqrt(alpha_i).
+   *
+   * @param start      spectral decomposition of b_t - I
+   * @param stress_old tau_t, Pa; coaxial with b_t
+   * @param H          displacement gradient of the step
+   * @return J per unit reference volume
+   */
+  template <int dim>
+  double
+  quadratic_energy_change(const PrincipalStep<dim>         &step,
+                          const SpectralDecomposition<dim> &start,
+                          const MandelVector<dim>          &stress_old,
+                          const dealii::Tensor<2, dim>     &H);
+
+  /**
+   * Fill the changes of stored energy of a batch.
+   * @param steps one per point
+   */
+  template <int dim>
+  void
+  fill_energy_changes(const PrincipalStep<dim> *steps,
+                      MaterialBatch<dim>       &batch);
 } // namespace emmy
 
 #endif

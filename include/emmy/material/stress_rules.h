@@ -22,21 +22,22 @@ namespace emmy
     bool is_inelastic = false;
     /** Displacement gradient of the step, with respect to positions at t. */
     PerPoint<dealii::Tensor<2, dim>> displacement_gradient;
-    /** State at t: b, tau (Pa) and psi (elastic, J/m^3, reference volume). */
-    PerPoint<MandelVector<dim>> left_cauchy_green_old;
+    /** State at t: b - I, tau (Pa), psi (elastic, J/m^3, reference volume). */
+    PerPoint<MandelVector<dim>> left_cauchy_green_less_unit_old;
     PerPoint<MandelVector<dim>> kirchhoff_stress_old;
     PerPoint<double>            stored_energy_old;
-    /** The rest of the state at t, only if is_inelastic: b^e, energy stored by
-     * hardening (J/m^3). The history at t stands in material.history. */
-    PerPoint<MandelVector<dim>> elastic_left_cauchy_green_old;
+    /** The rest of the state at t, only if is_inelastic: b^e - I, energy
+     * stored by hardening (J/m^3). The history at t stands in
+     * material.history. */
+    PerPoint<MandelVector<dim>> elastic_left_cauchy_green_less_unit_old;
     PerPoint<double>            hardening_energy_old;
 
     // out
-    /** State at t + dt: material.left_cauchy_green (b^e, which is b in an
-     * elastic material), .kirchhoff_stress, ... */
+    /** State at t + dt: material.left_cauchy_green_less_unit (of b^e, which is
+     * b in an elastic material), .kirchhoff_stress, ... */
     MaterialBatch<dim> material;
-    /** b at t + dt, only if is_inelastic. */
-    PerPoint<MandelVector<dim>> left_cauchy_green;
+    /** b - I at t + dt, only if is_inelastic. */
+    PerPoint<MandelVector<dim>> left_cauchy_green_less_unit;
     /** Nominal stress P at mid-step, relative to positions at t, Pa. */
     PerPoint<dealii::Tensor<2, dim>> nominal_stress;
     /** dP_iJ / dH_mL at row i*dim+J, column m*dim+L. Only if with_tangent. */
@@ -47,12 +48,16 @@ namespace emmy
    * The states of a batch at t + dt: deformation, and what the material says
    * of it. The nominal stress is left.
    *
+   * @param with_energy_change whether to ask the material for the changes of
+   *   its energies, if it gives them
    * @return index of the first point with det(I + H) <= 0, where the batch was
    *   left unfinished; n_points if there is none.
    */
   template <int dim>
   unsigned int
-  update_states(const Material<dim> &material, StressBatch<dim> &batch);
+  update_states(const Material<dim> &material,
+                StressBatch<dim>    &batch,
+                const bool           with_energy_change = false);
 
   /**
    * A rule for the stress that acts during a step, for any material. With the
@@ -69,9 +74,13 @@ namespace emmy
    *     S = \bar S + B\,\frac{2(\Delta\psi + \Delta D) - \bar S : A}{A : B},
    * @f]
    * so that P : H equals the change of psi (elastic and hardening energy)
-   * plus the dissipation Delta D to round-off. Where the change of C is below
-   * 1e-8 of C the correction is left out: the energy it would carry is below
-   * the round-off of psi.
+   * plus the dissipation Delta D to round-off. Of materials that give the
+   * change of their energy this has all digits, however small strains and step
+   * (1e-14 from steps of a hundredth of the elastic strain on, where energies
+   * are subtracted); the energies at t + dt are those at t plus these changes.
+   * Of other materials the change is a difference. Where the numerator of the
+   * correction is below its round-off, the correction is zero and the change of
+   * energy what this stress works.
    *
    * trapezoidal: S is the mean without the correction.
    *

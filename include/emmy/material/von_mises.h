@@ -43,6 +43,9 @@ namespace emmy
     void
     evaluate(MaterialBatch<dim> &batch) const override;
 
+    bool
+    gives_energy_change() const override;
+
     double
     density() const override;
 

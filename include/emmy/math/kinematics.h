@@ -42,6 +42,22 @@ namespace emmy
       mandel::symmetric_part<dim>(2. * H + transpose(H) * H);
     return result;
   }
+
+  /**
+   * What a step makes of a left Cauchy-Green tensor, total or elastic:
+   * b = (I + H) b_t (I + H)^T, from b_t - I to b - I, without forming and
+   * subtracting the unit tensor, so that small strains keep all their digits.
+   */
+  template <int dim>
+  inline MandelVector<dim>
+  left_cauchy_green_less_unit(const dealii::Tensor<2, dim> &H,
+                              const MandelVector<dim>      &less_unit_old)
+  {
+    // M = H b_t; b - b_t = M + M^T + M H^T, and the last is symmetric
+    const dealii::Tensor<2, dim> M = H + H * mandel::block<dim>(less_unit_old);
+    return less_unit_old +
+           mandel::symmetric_part<dim>(2. * M + M * transpose(H));
+  }
 } // namespace emmy
 
 #endif

@@ -71,6 +71,16 @@ namespace emmy
       return result;
     }
 
+    /** a + I, for tensors that are carried without their unit. */
+    template <int dim>
+    MandelVector<dim>
+    plus_unit(MandelVector<dim> a)
+    {
+      for (const unsigned int i : normal_components<dim>())
+        a[i] += 1.;
+      return a;
+    }
+
     /** The dim x dim block as a full tensor. */
     template <int dim>
     dealii::Tensor<2, dim>
@@ -106,6 +116,38 @@ namespace emmy
       if constexpr (dim == 2)
         result[3] = out_of_plane;
       return result;
+    }
+
+    /** Trace, second invariant (tr(a)^2 - tr(a^2))/2, and determinant. */
+    template <int dim>
+    std::array<double, 3>
+    invariants(const MandelVector<dim> &a)
+    {
+      const auto A = block<dim>(a);
+      if constexpr (dim == 2)
+        {
+          const double in_plane = determinant(A), trace = A[0][0] + A[1][1];
+          return {{trace + a[3], in_plane + trace * a[3], in_plane * a[3]}};
+        }
+      else
+        {
+          double second = 0.;
+          for (unsigned int i = 0; i < 3; ++i)
+            {
+              const unsigned int j = (i + 1) % 3;
+              second += A[i][i] * A[j][j] - A[i][j] * A[j][i];
+            }
+          return {{trace(A), second, determinant(A)}};
+        }
+    }
+
+    /** det(I + a) - 1, without the cancellation of the difference. */
+    template <int dim>
+    double
+    determinant_less_one(const MandelVector<dim> &a)
+    {
+      const auto [first, second, third] = invariants<dim>(a);
+      return first + second + third;
     }
 
     /**

@@ -37,7 +37,11 @@ namespace emmy
    * The plain try is converged when sum |r||du|, with r after the increment,
    * has fallen to the tolerance times its first value (that with r before the
    * first increment, if smaller), or |r| to 1e-12 of the forces that balance
-   * in it and its work to round-off (free flight, rest). An increment whose
+   * in it and its work to round-off (free flight, rest). It never iterates on
+   * round-off: when an increment that is small enough to be linear, with
+   * displacement gradients below 1e-4, has not halved |r|, what is left is
+   * the round-off of the evaluation, and it is content if |r| is below 1e-8
+   * of the forces and its work below 1e-8 of theirs. An increment whose
    * size() is above 0.3 is found again with a more strongly damped matrix; one
    * that leaves the equation without meaning is halved, at most six times.
    *

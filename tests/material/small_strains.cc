@@ -1,0 +1,226 @@
+// Digits: strains and steps of any size, down to 1e-12 and far below, have
+// stresses, energies and their changes to round-off of their own size, and the
+// stress of a step is smooth enough for Newton.
+
+#include "laws.h"
+
+using namespace emmy;
+using dealii::Tensor;
+using test::all_laws;
+using test::identity;
+using test::Law;
+using test::moved;
+using test::random_tensor;
+using test::state_at;
+
+namespace
+{
+  /** 1/2 ln(I + e) and sqrt(I + e) - I by their series, for |e| below 0.05. */
+  Tensor<2, 3>
+  series(const Tensor<2, 3> &e, const bool is_root)
+  {
+    Tensor<2, 3> power = e, sum;
+    double       root  = 0.5; // binomial coefficient
+    for (unsigned int n = 1; n < 16; ++n)
+      {
+        sum += (is_root ? root : (n % 2 ? 0.5 : -0.5) / n) * power;
+        power = power * e;
+        root *= (0.5 - n) / (n + 1.);
+      }
+    return sum;
+  }
+
+  /** The stress of a strain, from the series of the logarithm. */
+  void
+  check_stress(const double size)
+  {
+    const auto   laws = all_laws<3>();
+    const double K = 100. / (3. * 0.4), G = 100. / 2.6;
+    double       error = 0., error_of_energy = 0.;
+    for (unsigned int sample = 0; sample < 20; ++sample)
+      {
+        const auto state =
+          state_at<3>(*laws[0].material, random_tensor<3>(size), 0.);
+        const Tensor<2, 3> strain =
+          series(mandel::block<3>(state.left_cauchy_green_less_unit_old[0]),
+                 false);
+        const Tensor<2, 3> deviator =
+          strain - trace(strain) / 3. * identity<3>();
+        const Tensor<2, 3> stress =
+          K * trace(strain) * identity<3>() + 2. * G * deviator;
+        const double energy =
+          0.5 * K * trace(strain) * trace(strain) + G * deviator.norm_square();
+        error = std::max(
+          error,
+          (mandel::block<3>(state.kirchhoff_stress_old[0]) - stress).norm() /
+            stress.norm());
+        error_of_energy =
+          std::max(error_of_energy,
+                   std::abs(state.stored_energy_old[0] / energy - 1.));
+      }
+    std::cout << "strain " << size << ": stress to " << error << ", energy to "
+              << error_of_energy << '\n';
+    test::check_close(error, 0., 2e-15, "stress of a small strain");
+    test::check_close(error_of_energy, 0., 1e-14, "energy of a small strain");
+  }
+
+  /**
+   * psi + D of a step as the work of the stress, 1/2 int S1 : A ds, along
+   * C = I + s A, by Gauss' rule: the derivative of both is this stress.
+   */
+  double
+  work_of_stress(const Material<3>    &material,
+                 const StressBatch<3> &state,
+                 const Tensor<2, 3>   &A)
+  {
+    const double points[]  = {0.,
+                              0.5384693101056831,
+                              -0.5384693101056831,
+                              0.9061798459386640,
+                              -0.9061798459386640},
+                 weights[] = {0.5688888888888889,
+                              0.4786286704993665,
+                              0.4786286704993665,
+                              0.2369268850561891,
+                              0.2369268850561891};
+    double work            = 0.;
+    for (unsigned int q = 0; q < 5; ++q)
+      {
+        const Tensor<2, 3> H     = series(0.5 * (1. + points[q]) * A, true);
+        StressBatch<3>     batch = state;
+        batch.displacement_gradient[0] = H;
+        update_states(material, batch);
+        const Tensor<2, 3> inverse = invert(identity<3>() + H);
+        const Tensor<2, 3> S1 =
+          inverse * mandel::block<3>(batch.material.kirchhoff_stress[0]) *
+          inverse;
+        work += 0.25 * weights[q] * scalar_product(S1, A);
+      }
+    return work;
+  }
+
+  /** The change of energy that the stress of the step has worked. */
+  void
+  check_energy_change(const double strain, const double step)
+  {
+    const auto   rule      = stress_rule<3>("conserving");
+    double       error     = 0.;
+    unsigned int n_flowing = 0;
+    for (const Law<3> &law : all_laws<3>(strain))
+      for (unsigned int sample = 0; sample < 10; ++sample)
+        {
+          const Material<3> &material = *law.material;
+          const auto         state =
+            state_at<3>(material, random_tensor<3>(strain), 0.);
+          // where flow goes on, and in one direction, the work is smooth
+          if (state.is_inelastic && step > 2e-3 * strain)
+            continue;
+          Tensor<2, 3> H     = random_tensor<3>(step);
+          const auto   forth = moved<3>(material, rule, state, 1e-3 * H);
+          if (state.is_inelastic && forth.material.dissipation[0] == 0.)
+            continue;
+          n_flowing += state.is_inelastic;
+          const Tensor<2, 3> A    = H + transpose(H) + transpose(H) * H;
+          const auto         p    = moved<3>(material, rule, state, H);
+          const double       work = work_of_stress(material, state, A);
+          double             size = p.kirchhoff_stress_old[0].norm() +
+                        p.material.kirchhoff_stress[0].norm();
+          size *= A.norm();
+          error =
+            std::max(error,
+                     std::abs(scalar_product(p.nominal_stress[0], H) - work) /
+                       size);
+        }
+    std::cout << "strain " << strain << ", step " << step << ": work to "
+              << error << ", " << n_flowing << " flow\n";
+    // from steps of a hundredth of the strain on, energies are subtracted
+    test::check_close(error,
+                      0.,
+                      step < 1e-3 * strain ? 1e-15 : 1e-14,
+                      "P:H is the change of energy");
+    test::check(n_flowing > 3 || step > 2e-3 * strain, "some flow");
+  }
+
+  /** Centred differences of P, whose noise would spoil them. */
+  template <int dim>
+  void
+  check_tangent(const double strain, const double step)
+  {
+    const auto rule  = stress_rule<dim>("conserving");
+    double     error = 0.;
+    for (const Law<dim> &law : all_laws<dim>(strain))
+      for (unsigned int sample = 0; sample < 3; ++sample)
+        {
+          const Material<dim> &material = *law.material;
+          const auto           state =
+            state_at<dim>(material, random_tensor<dim>(strain), 0.);
+          const auto H = random_tensor<dim>(step);
+          // whether it flows, and would a little earlier and later
+          bool n[3];
+          for (unsigned int i = 0; i < 3; ++i)
+            n[i] = state.is_inelastic &&
+                   moved<dim>(material, rule, state, (0.9 + 0.1 * i) * H)
+                       .material.dissipation[0] > 0.;
+          if (n[0] != n[1] || n[1] != n[2])
+            continue;
+          const auto dH     = random_tensor<dim>(1e-3 * step);
+          const auto at     = moved<dim>(material, rule, state, H);
+          const auto plus   = moved<dim>(material, rule, state, H + dH),
+                     minus  = moved<dim>(material, rule, state, H - dH);
+          Tensor<2, dim> dP = plus.nominal_stress[0] - minus.nominal_stress[0];
+          const double   size = dP.norm();
+          for (unsigned int i = 0; i < dim; ++i)
+            for (unsigned int J = 0; J < dim; ++J)
+              for (unsigned int m = 0; m < dim; ++m)
+                for (unsigned int L = 0; L < dim; ++L)
+                  dP[i][J] -=
+                    2. * at.tangent[0][i * dim + J][m * dim + L] * dH[m][L];
+          error = std::max(error, dP.norm() / size);
+        }
+    std::cout << dim << "D strain " << strain << ", step " << step
+              << ": tangent to " << error << '\n';
+    // the second difference, and what is left of the digits of the stress
+    test::check_close(error,
+                      0.,
+                      5e-6 + 1e-11 * std::max(1., strain / step),
+                      "tangent");
+  }
+
+  /** A step that is none, or whose square is no number, makes no NaN. */
+  void
+  check_nothing()
+  {
+    const auto rule = stress_rule<3>("conserving");
+    for (const Law<3> &law : all_laws<3>())
+      for (const double strain : {0., 1e-160, 1e-3})
+        for (const double step : {0., 1e-200, 1e-150, 1e-100})
+          {
+            const auto state =
+              state_at<3>(*law.material, random_tensor<3>(strain), 0.);
+            const auto p =
+              moved<3>(*law.material, rule, state, random_tensor<3>(step));
+            const double size = 1000. * (10. * strain + 10. * step);
+            test::check(p.nominal_stress[0].norm() <= size &&
+                          p.tangent[0].norm() < 1e4,
+                        law.name + ": a step of nothing");
+          }
+  }
+} // namespace
+
+int
+main()
+{
+  for (const double size : {1e-2, 1e-4, 1e-8, 1e-12, 1e-30, 1e-100})
+    check_stress(size);
+  for (const double strain : {0.1, 1e-3, 1e-6, 1e-12})
+    for (const double step : {3e-3, 3e-5, 1e-5, 1e-8, 1e-12, 1e-16})
+      check_energy_change(strain, step);
+  for (const double strain : {0.1, 1e-3, 1e-6, 1e-12})
+    for (const double step : {1e-3, 1e-5, 1e-8, 1e-12})
+      {
+        check_tangent<2>(strain, step);
+        check_tangent<3>(strain, step);
+      }
+  check_nothing();
+  return test::report();
+}
