@@ -241,7 +241,8 @@ namespace emmy
              {std::make_pair("followers", double(found.n_followers)),
               std::make_pair("free_starved", double(found.n_kept)),
               std::make_pair("farthest_root", double(found.farthest_root)),
-              std::make_pair("largest_weight", found.largest_weight)})
+              std::make_pair("largest_weight", found.largest_weight),
+              std::make_pair("class_changes", double(found.n_changes))})
           result.push_back({name, value});
       }
     for (StepMeasure &measure :

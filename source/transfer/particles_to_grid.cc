@@ -58,8 +58,12 @@ namespace emmy
       }
     if (aggregate)
       {
-        const auto timed = effect_scope(phases, aggregation_effect);
-        start.aggregates = (*aggregate)(stencils, points, grid);
+        const auto timed     = effect_scope(phases, aggregation_effect);
+        auto       classes   = aggregate->classify(stencils, points, grid);
+        const auto n_changes = class_changes(start.classes, classes, grid);
+        start.classes        = std::move(classes);
+        start.aggregates     = aggregate->find(start.classes, stencils, grid);
+        start.aggregates.n_changes = n_changes;
       }
     if (!start.active ||
         !start.active->fits(stencils, start.ghost_faces, start.aggregates))

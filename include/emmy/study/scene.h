@@ -79,11 +79,18 @@ namespace emmy
     void
     measure(StepReport &report);
 
+    /** A number that changes when a particle enters a cell. Collective. */
+    std::uint64_t
+    occupancy() const;
+
     /** Sum of the particles' reference volumes, m^3. Collective. */
     std::vector<double>
     volumes_of_bodies() const;
 
     const SceneParameters<dim> &parameters;
+    /** With linear functions, until particles have entered other cells. */
+    bool          watches_crossings  = false;
+    std::uint64_t occupancy_at_start = 0;
   };
 } // namespace emmy
 

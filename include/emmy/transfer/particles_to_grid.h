@@ -82,6 +82,10 @@ namespace emmy
      * with Walls::inelastic that of the map without walls.
      */
     Vector mapped_velocity;
+    /** Which nodes are fed, as of the start of the step; empty without
+     * followers.
+     */
+    NodeClasses<dim> classes;
     /** Nodes that follow others; without the effect there is none. */
     Aggregates<dim> aggregates;
     /** Of ghost stabilisation, whose mass is part of M~; else empty. */
