@@ -132,10 +132,14 @@ namespace emmy
 
     /** Two discs of two materials that collide off their axis. */
     inline std::string
-    collision_text(const unsigned int points_per_direction)
+    collision_text(const unsigned int points_per_direction,
+                   const std::string &shape_functions = "linear")
     {
       const std::string points = std::to_string(points_per_direction);
       return "set Dimension = 2\n"
+             "subsection Method\nset Shape functions = " +
+             shape_functions +
+             "\nset Starved nodes = free\nend\n"
              "subsection Grid\n"
              "set Lower corner = 0, 0\n"
              "set Upper corner = 6, 4\n"

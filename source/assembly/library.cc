@@ -1,4 +1,3 @@
-#include <emmy/assembly/aggregation.h>
 #include <emmy/assembly/ghost_stabilisation.h>
 #include <emmy/assembly/gravity.h>
 #include <emmy/assembly/manufactured_solution.h>
@@ -30,14 +29,6 @@ namespace emmy
                      return std::make_unique<GhostParameters<dim>>(section);
                    },
                    GhostParameters<dim>::card()});
-      effects.add(
-        {aggregation_effect,
-         "starved nodes follow well-fed ones, for small cuts: nothing "
-         "is lost",
-         [](const std::string &section) {
-           return std::make_unique<AggregationParameters<dim>>(section);
-         },
-         AggregationParameters<dim>::card()});
       effects.add(
         {"manufactured solution",
          "the body force of a motion in closed form, and the distance from it",

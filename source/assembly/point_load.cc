@@ -22,25 +22,10 @@ namespace emmy
     }
 
     /**
-     * Whether the first differing coordinate of @p a is the smaller one;
-     * round-off is no difference.
-     */
-    template <int dim>
-    bool
-    comes_before(const Point<dim> &a,
-                 const Point<dim> &b,
-                 const double      tolerance)
-    {
-      for (unsigned int d = 0; d < dim; ++d)
-        if (std::abs(a[d] - b[d]) > tolerance)
-          return a[d] < b[d];
-      return false;
-    }
-
-    /**
-     * Gives one share to the particle that is nearest to each position. Of
-     * equally near ones it takes the one with the smallest x, then y, then z.
-     * Cost: particles times positions, twice.
+     * Gives one share to the particle that is nearest to each position; equally
+     * near ones part it equally, so that a load in the middle stays there,
+     * whatever the order of the particles. Cost: particles times positions,
+     * three times.
      */
     template <int dim>
     class SharesAtPositions : public Marker<dim>
@@ -60,26 +45,34 @@ namespace emmy
       {
         const NearestParticles<dim> nearest(
           positions, section, "Points nearest to", grid, particles);
-        const auto   chosen = choose(nearest, grid, particles);
-        const double share  = 1. / positions.size();
-        for (auto &particle : particles)
-          particle.get_properties()[component] =
-            share *
-            std::count(chosen.begin(), chosen.end(), particle.get_location());
+        const auto n_nearest = nearest.numbers(particles);
 
-        std::vector<Point<dim>> different;
-        for (const Point<dim> &point : chosen)
-          if (std::find(different.begin(), different.end(), point) ==
-              different.end())
-            different.push_back(point);
+        // particles that hold a share, and those that hold several
+        std::vector<unsigned int> n_holders(2);
+        for (auto &particle : particles)
+          {
+            double       sum = 0.;
+            unsigned int n   = 0;
+            for (unsigned int i = 0; i < positions.size(); ++i)
+              if (nearest.is_nearest(i, particle.get_location()))
+                {
+                  sum += 1. / n_nearest[i];
+                  ++n;
+                }
+            particle.get_properties()[component] = sum / positions.size();
+            n_holders[0] += n > 0;
+            n_holders[1] += n > 1;
+          }
+        dealii::Utilities::MPI::sum(n_holders, grid.communicator(), n_holders);
         const auto &distances = nearest.distances();
         const auto  farthest =
           std::max_element(distances.begin(), distances.end());
-        return load_on(different.size()) +
-               (different.size() < positions.size()
-                  ? ", some of which hold several shares"
-                  : "") +
-               (different.size() > 1 ? ", the farthest " : ", ") +
+        const bool is_parted =
+          *std::max_element(n_nearest.begin(), n_nearest.end()) > 1;
+        return load_on(n_holders[0]) +
+               (n_holders[1] > 0 ? ", some of which hold several shares" : "") +
+               (is_parted ? ", equally near ones part a share" : "") +
+               (n_holders[0] > 1 ? ", the farthest " : ", ") +
                brief(*farthest) + " m from its position (" +
                dealii::Patterns::Tools::to_string(
                  positions[farthest - distances.begin()]) +
@@ -87,34 +80,6 @@ namespace emmy
       }
 
     private:
-      /** Where the particles of each position are. Collective. */
-      std::vector<Point<dim>>
-      choose(const NearestParticles<dim>                   &nearest,
-             const BackgroundGrid<dim>                     &grid,
-             const dealii::Particles::ParticleHandler<dim> &particles) const
-      {
-        const std::size_t n         = positions.size();
-        const double      tolerance = nearest.round_off();
-        Point<dim>        last;
-        for (unsigned int d = 0; d < dim; ++d)
-          last[d] = std::numeric_limits<double>::max();
-        std::vector<Point<dim>> chosen(n, last);
-        for (const auto &particle : particles)
-          for (std::size_t i = 0; i < n; ++i)
-            {
-              const Point<dim> &here = particle.get_location();
-              if (nearest.is_nearest(i, here) &&
-                  comes_before(here, chosen[i], tolerance))
-                chosen[i] = here;
-            }
-        for (const auto &candidates :
-             dealii::Utilities::MPI::all_gather(grid.communicator(), chosen))
-          for (std::size_t i = 0; i < n; ++i)
-            if (comes_before(candidates[i], chosen[i], tolerance))
-              chosen[i] = candidates[i];
-        return chosen;
-      }
-
       const std::vector<Point<dim>> positions;
       const std::string             section;
       const unsigned int            component;
@@ -193,8 +158,8 @@ namespace emmy
                         "Positions separated by ;, each a list of coordinates "
                         "separated by commas. The particle that is nearest to "
                         "a position at the start gets one share of the force; "
-                        "of equally near ones the one with the smallest x, "
-                        "then y (then z). Unit: m. Either this or <Region>.",
+                        "equally near ones part it equally. Unit: m. Either "
+                        "this or <Region>.",
                         this->prm,
                         List(List(Double(), dim, dim, ","), 0, any, ";"));
     this->add_parameter("Region",

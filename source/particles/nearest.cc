@@ -15,6 +15,7 @@ namespace emmy
     const Filter                                  &counts)
     : positions(positions)
     , tolerance(1e-9 * grid.smallest_cell_size())
+    , communicator(grid.communicator())
     , lengths(positions.size(), std::numeric_limits<double>::infinity())
   {
     for (const auto &position : positions)
@@ -49,10 +50,16 @@ namespace emmy
   }
 
   template <int dim>
-  double
-  NearestParticles<dim>::round_off() const
+  std::vector<unsigned int>
+  NearestParticles<dim>::numbers(
+    const dealii::Particles::ParticleHandler<dim> &particles) const
   {
-    return tolerance;
+    std::vector<unsigned int> result(positions.size());
+    for (const auto &particle : particles)
+      for (unsigned int i = 0; i < positions.size(); ++i)
+        result[i] += is_nearest(i, particle.get_location());
+    dealii::Utilities::MPI::sum(result, communicator, result);
+    return result;
   }
 
   template class NearestParticles<2>;

@@ -323,8 +323,8 @@ namespace emmy
   small_cut_remedy(const Balance<dim> &balance, const PointMapping &mapping)
   {
     std::string remedy = "Against small cuts, ";
-    remedy += balance.aggregation() ? "raise Effects/Aggregation/Mass threshold"
-                                    : "add aggregation to Effects/Names";
+    remedy += balance.aggregation() ? "raise Method/Starved threshold"
+                                    : "set Method/Starved nodes = follow";
     remedy += balance.ghost_faces()
                 ? ", or raise Effects/Ghost stabilisation/Mass penalty"
                 : ", or add ghost stabilisation (often a Mass penalty of 1e-3 "

@@ -59,7 +59,9 @@ namespace emmy
     }
     {
       const auto timed = start.phases->scope("particles to grid");
-      on_grid          = &start.particles_to_grid(next->stencils, next->points);
+      if (!on_grid) // classes are those of the first places
+        start.particles_to_grid.classify(next->stencils, next->points);
+      on_grid = &start.particles_to_grid(next->stencils, next->points);
     }
     active = on_grid->active;
     if (solution && before != active)

@@ -58,7 +58,8 @@ namespace emmy
     });
     count_points(solution.ground().points.n_points(),
                  solution.newton.residual_history.size());
-    velocity    = std::move(solution.velocity);
+    velocity       = std::move(solution.velocity);
+    classes_before = start->classes;
     wall_travel = solution.wall_travel;
     time        = result.time;
     step_number = result.step;
@@ -129,6 +130,7 @@ namespace emmy
       {
         GridStart<dim> &at_start =
           timed("particles to grid", [&]() -> GridStart<dim> & {
+            particles_to_grid.classify(stencils, points);
             return particles_to_grid(stencils, points);
           });
         start = &at_start;
@@ -278,7 +280,7 @@ namespace emmy
     if (!layout.has("half_length"))
       settings.push_back("Method/Shape functions = GIMP");
     if (!method.balance.aggregation())
-      settings.push_back("Effects/Names = aggregation");
+      settings.push_back("Method/Starved nodes = follow");
     return settings.empty()
              ? std::string()
              : "What helps most often: " + join(settings, " and ") + ". ";
@@ -401,7 +403,11 @@ namespace emmy
              {std::make_pair("followers", double(found.n_followers)),
               std::make_pair("free_starved", double(found.n_kept)),
               std::make_pair("farthest_root", double(found.farthest_root)),
-              std::make_pair("largest_weight", found.largest_weight)})
+              std::make_pair("largest_weight", found.largest_weight),
+              std::make_pair("class_changes",
+                              double(class_changes(classes_before,
+                                                   start->classes,
+                                                   grid)))})
           result.push_back({name, value});
       }
     for (StepMeasure &measure :
@@ -520,7 +526,9 @@ namespace emmy
   Stepper<dim>::initial_report()
   {
     const auto &[stencils, points] = ground_at_start();
-    start                          = &particles_to_grid(stencils, points);
+    particles_to_grid.classify(stencils, points);
+    start          = &particles_to_grid(stencils, points);
+    classes_before = start->classes;
 
     StepReport result;
     result.time_step =

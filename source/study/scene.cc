@@ -4,6 +4,7 @@
 #include <emmy/base/text.h>
 #include <emmy/particles/body_measures.h>
 #include <emmy/step/explicit_stepper.h>
+#include <emmy/step/step_size.h>
 #include <emmy/step/stepper.h>
 #include <emmy/study/scene.h>
 #include <emmy/study/scene_card.h>
@@ -110,8 +111,7 @@ namespace emmy
     void
     require_explicit(const std::string &effect, const Effects<dim> &effects)
     {
-      AssertThrow(effects.terms.empty() && !effects.ghost_faces &&
-                    !effects.aggregation,
+      AssertThrow(effects.terms.empty() && !effects.ghost_faces,
                   ExcParameter("Time",
                                "Integrator",
                                "explicit",
@@ -155,6 +155,9 @@ namespace emmy
           if (is_explicit)
             require_explicit(name, effects);
         }
+      if (parameters.method.starved_nodes == "follow")
+        effects.aggregation =
+          parameters.method.template make_aggregation<dim>(layout);
       return effects;
     }
 
@@ -196,6 +199,12 @@ namespace emmy
               method.stress_rule,
               "the stress at the start of the step acts, whatever the rule. "
               "Remove it.");
+      require(method.starved_nodes == "free",
+              method.path(),
+              "Starved nodes",
+              method.starved_nodes,
+              "there is no equation that nodes could follow in. Remove it, or "
+              "set it to free.");
       require(mapping.walls == PointMapping::Walls::constrained,
               method.path(),
               "Wall mapping",
@@ -227,9 +236,10 @@ namespace emmy
                   ExcParameter(method.path(),
                                "Wall mapping",
                                method.wall_mapping,
-                               "with the effect <aggregation> it must be "
+                               "with Starved nodes = follow it must be "
                                "<constrained>: the map without walls would "
-                               "need followers of its own."));
+                               "need followers of its own. Set Starved nodes "
+                               "= free, or remove the entry."));
       return mapping;
     }
 
@@ -298,6 +308,9 @@ namespace emmy
     for (const auto &measurement : parameters.measurements)
       measurements.push_back(
         measurement->make({bodies, grid, layout, particles}));
+    watches_crossings = parameters.method.shape_functions == "linear";
+    if (watches_crossings)
+      occupancy_at_start = occupancy();
   }
 
   template <int dim>
@@ -314,8 +327,32 @@ namespace emmy
   Scene<dim>::advance()
   {
     StepReport report = stepper->advance();
+    if (watches_crossings && occupancy() != occupancy_at_start)
+      {
+        watches_crossings = false;
+        report.notes.push_back(
+          step_name(report.step, report.time - report.time_step) +
+          ": particles have crossed cells. Linear functions jump there: "
+          "strained bodies get errors that finer grids and more steps make "
+          "larger. Remedy: Method/Shape functions = GIMP");
+      }
     measure(report);
     return report;
+  }
+
+  template <int dim>
+  std::uint64_t
+  Scene<dim>::occupancy() const
+  {
+    std::uint64_t sum = 0;
+    for (const auto &particle : particles)
+      {
+        std::uint64_t place = 0;
+        for (const auto i : grid.lattice(particle.get_surrounding_cell()))
+          place = place * 0x9e3779b97f4a7c15 + i + 1;
+        sum += (particle.get_id() + 1) * place;
+      }
+    return dealii::Utilities::MPI::sum(sum, grid.communicator());
   }
 
   template <int dim>
@@ -419,6 +456,10 @@ namespace emmy
                    << (middle ? ", geometry in the middle of the step" : "");
     if (boundary_conditions.has_walls())
       out << ", " << method.wall_mapping << " walls";
+    out << '\n';
+    line("starved nodes") << (balance.aggregation() ? "follow" : "free");
+    if (!parameters.why_free.empty())
+      out << ": " << parameters.why_free;
     out << '\n';
     line("effects") << (parameters.effect_names.names.empty()
                           ? "none beyond inertia and internal force"

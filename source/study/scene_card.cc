@@ -1,3 +1,4 @@
+#include <emmy/assembly/aggregation.h>
 #include <emmy/assembly/inertia.h>
 #include <emmy/assembly/internal_force.h>
 #include <emmy/base/exceptions.h>
@@ -73,6 +74,7 @@ namespace emmy
         add(stress_rule_card(parameters.method.stress_rule));
         add(explicit_card(is_explicit));
         add_shape_functions();
+        add_aggregation();
         for (const auto &entry : effect_library<dim>().list())
           {
             EffectCard effect = entry.card;
@@ -204,6 +206,18 @@ namespace emmy
         add(update);
       }
 
+      void
+      add_aggregation()
+      {
+        const bool is_present         = scene.balance.aggregation() != nullptr;
+        std::optional<std::int64_t> n = 0;
+        if (is_present)
+          n = card.nonzeros - nonzeros(stencils, points, named, false);
+        else if (with_absent)
+          n = nonzeros(stencils, points, named, true) - card.nonzeros;
+        add(aggregation_card(is_present), n);
+      }
+
       std::optional<std::int64_t>
       nonzeros_of_effect(const EffectCard &effect) const
       {
@@ -214,7 +228,8 @@ namespace emmy
           others.erase(std::find(others.begin(), others.end(), effect.name));
         try
           {
-            const std::int64_t n = nonzeros(stencils, points, others);
+            const std::int64_t n = nonzeros(
+              stencils, points, others, scene.balance.aggregation() != nullptr);
             return effect.is_present ? card.nonzeros - n : n - card.nonzeros;
           }
         catch (const ExcParameter &) // of all ranks: from the parameter file
@@ -241,14 +256,32 @@ namespace emmy
         const auto others =
           functions.evaluate(needs_fields ? filled : scene.particles,
                              scene.grid);
-        return nonzeros(others, gather(others, layout), named);
+        return nonzeros(others,
+                        gather(others, layout),
+                        named,
+                        scene.balance.aggregation() != nullptr);
+      }
+
+      /** Also in a scene without them. Collective. */
+      Aggregates<dim>
+      followers(const Stencils<dim>    &stencils,
+                const PointArrays<dim> &points) const
+      {
+        const auto aggregation =
+          parameters.method.template make_aggregation<dim>(scene.layout);
+        return aggregation->find(aggregation->classify(stencils,
+                                                       points,
+                                                       scene.grid),
+                                 stencils,
+                                 scene.grid);
       }
 
       /** Of a matrix with these stencils and effects. Collective. */
       std::int64_t
       nonzeros(const Stencils<dim>            &stencils,
                const PointArrays<dim>         &points,
-               const std::vector<std::string> &names) const
+               const std::vector<std::string> &names,
+               const bool                      follows) const
       {
         Effects<dim> effects;
         effects.material_of_body = scene.material_of_body;
@@ -261,9 +294,7 @@ namespace emmy
                                                       scene.boundary_conditions)
                              : std::vector<GhostFace<dim>>();
         const auto aggregates =
-          effects.aggregation
-            ? (*effects.aggregation)(stencils, points, scene.grid)
-            : Aggregates<dim>();
+          follows ? followers(stencils, points) : Aggregates<dim>();
         return ActiveGrid<dim>(stencils,
                                faces,
                                aggregates,

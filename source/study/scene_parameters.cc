@@ -40,6 +40,12 @@ namespace emmy
     const std::vector<std::string> &shape_function_names)
     : Section("Method")
   {
+    // the best of those that there are
+    if (std::count(shape_function_names.begin(),
+                   shape_function_names.end(),
+                   shape_functions) == 0 &&
+        !shape_function_names.empty())
+      shape_functions = shape_function_names.front();
     add_parameter("Shape functions",
                   shape_functions,
                   "linear: bi- or trilinear functions of the cell (standard "
@@ -56,6 +62,23 @@ namespace emmy
                   "extent of the moved corners, with the volume of F.",
                   prm,
                   Selection(domain_update_names()));
+    add_parameter("Starved nodes",
+                  starved_nodes,
+                  "Nodes that have next to no mass. follow: they follow the "
+                  "nearest cell whose nodes all have more, without loss of "
+                  "energy or momentum. free: they move on their own. follow "
+                  "needs implicit steps and Wall mapping = constrained; a file "
+                  "that has neither this entry nor those gets free.",
+                  prm,
+                  Selection("follow|free"));
+    add_parameter("Starved threshold",
+                  starved_threshold,
+                  "A node is starved with less than this part of the mass that "
+                  "a full body would give it. Below 2^-dim corners of a block "
+                  "of full cells are fed. 0: 0.02 with GIMP; with linear "
+                  "functions 0.15, in space 0.1. Dimensionless, below 1.",
+                  prm,
+                  Double(0.));
     add_parameter("Mapping",
                   mapping,
                   "FLIP: particles take the change of the grid's velocity. "
@@ -129,6 +152,28 @@ namespace emmy
                              "same time and need no middle. Remove it, or set "
                              "it to start."));
     return geometry == "middle";
+  }
+
+  template <int dim>
+  std::unique_ptr<const Aggregation<dim>>
+  MethodParameters::make_aggregation(const FieldLayout &layout) const
+  {
+    AssertThrow(starved_threshold < 1.,
+                ExcParameter(path(),
+                             "Starved threshold",
+                             shortest(starved_threshold),
+                             "must lie between 0 and 1, 1 excluded. 0.02 is "
+                             "good with GIMP, 0.1 to 0.2 with linear "
+                             "functions; 0 chooses."));
+    // linear functions need more; below 2^-dim a block has all its corners
+    const double usual = shape_functions != "linear" ? 0.02
+                         : dim == 2                  ? 0.15
+                                                     : 0.1;
+    return std::make_unique<const Aggregation<dim>>(starved_threshold > 0.
+                                                      ? starved_threshold
+                                                      : usual,
+                                                    layout["mass"],
+                                                    layout["reference_volume"]);
   }
 
   PointMapping
@@ -242,6 +287,24 @@ namespace emmy
       return names;
     }
 
+    /** What was an effect is part of the method now. Throws ExcParameter. */
+    void
+    refuse_aggregation(const ParameterFile &file)
+    {
+      const auto names = names_in(file, "Effects");
+      AssertThrow(std::count(names.begin(), names.end(), "aggregation") == 0 &&
+                    !file.has_section("Effects/Aggregation"),
+                  ExcParameter("Effects",
+                               "Names",
+                               join(names),
+                               "aggregation is no effect any more, but what "
+                               "starved nodes do by default. Write Method/"
+                               "Starved nodes = follow, and Method/Starved "
+                               "threshold for its Mass threshold; remove "
+                               "<aggregation> here and the section "
+                               "Effects/Aggregation."));
+    }
+
     /** Throws ExcParameter for a choice that the file does not make. */
     void
     require_choice(const std::string              &value,
@@ -305,6 +368,7 @@ namespace emmy
         require_choice(shape, section, "Shape", shape_library<dim>().names());
         bodies.push_back(std::make_unique<BodyParameters<dim>>(section, shape));
       }
+    refuse_aggregation(file);
     for (const std::string &name : names_in(file, "Effects"))
       effect_library<dim>().find(name, "Effects", "Names");
     for (const std::string &name : names_in(file, "Measurements"))
@@ -322,7 +386,35 @@ namespace emmy
       effects[entry.name] = entry.make(effect_section(entry.name));
 
     file.parse(dealii::ParameterAcceptor::prm);
+    choose_starved_nodes(file);
     dealii::ParameterAcceptor::parse_all_parameters();
+  }
+
+  template <int dim>
+  void
+  SceneParameters<dim>::choose_starved_nodes(const ParameterFile &file)
+  {
+    if (!file.value("Method/Starved nodes", "").empty())
+      return;
+    auto      &prm = dealii::ParameterAcceptor::prm;
+    const auto get = [&prm](const char *section, const char *entry) {
+      prm.enter_subsection(section);
+      const std::string value = prm.get(entry);
+      prm.leave_subsection();
+      return value;
+    };
+    const std::string walls = get("Method", "Wall mapping");
+    if (get("Time", "Integrator") == "explicit")
+      why_free = "explicit steps have no equation that they could follow in";
+    else if (walls != "constrained")
+      why_free = "the map of Wall mapping = " + walls +
+                 " would need followers of its own";
+    else
+      return;
+    // the parameters that a run writes say what it does
+    prm.enter_subsection("Method");
+    prm.set("Starved nodes", "free");
+    prm.leave_subsection();
   }
 
   template <int dim>
@@ -387,6 +479,10 @@ namespace emmy
     return ParameterFile::from_text(text.str(), "reference");
   }
 
+  template std::unique_ptr<const Aggregation<2>>
+  MethodParameters::make_aggregation<2>(const FieldLayout &) const;
+  template std::unique_ptr<const Aggregation<3>>
+  MethodParameters::make_aggregation<3>(const FieldLayout &) const;
   template class SceneParameters<2>;
   template class SceneParameters<3>;
 } // namespace emmy

@@ -47,8 +47,8 @@ namespace emmy
     {
       dealii::IndexSet ghosts = grid.nodes()->ghost_indices();
       for (const Follower<dim> &follower : followers)
-        for (const global_dof_index id : follower.root_ids)
-          ghosts.add_index(id);
+        for (const auto &master : follower.masters)
+          ghosts.add_index(master.id);
       return std::make_shared<const dealii::Utilities::MPI::Partitioner>(
         grid.nodes()->locally_owned_range(), ghosts, grid.communicator());
     }
@@ -170,12 +170,11 @@ namespace emmy
     for (const Follower<dim> &follower : followers)
       {
         add_ghost(follower.node_id);
-        for (unsigned int v = 0; v < Follower<dim>::n_roots; ++v)
+        for (const auto &master : follower.masters)
           {
-            const global_dof_index id = follower.root_ids[v];
-            add_ghost(id);
-            if (!is_known(id))
-              root_positions[id] = follower.root_position(v, grid);
+            add_ghost(master.id);
+            if (!is_known(master.id))
+              root_positions[master.id] = grid.corner(master.place);
           }
       }
     std::sort(ghosts.begin(), ghosts.end());
@@ -257,11 +256,9 @@ namespace emmy
             if (fixed[c])
               continue;
             Constraints::Entries entries;
-            for (unsigned int v = 0; v < Follower<dim>::n_roots; ++v)
-              if (follower.weights[v] != 0.)
-                entries.emplace_back(
-                  first_dof(local_index(follower.root_ids[v])) + c,
-                  follower.weights[v]);
+            for (const auto &master : follower.masters)
+              entries.emplace_back(first_dof(local_index(master.id)) + c,
+                                   master.weight);
             conditions.follow(first_dof(node) + c, entries);
           }
       }

@@ -1,17 +1,17 @@
+#include <emmy/base/text.h>
 #include <emmy/transfer/aggregation.h>
-#include <emmy/transfer/roots.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
-#include <tuple>
 
 namespace emmy
 {
   namespace
   {
-    using Exchange = Feeding::Values;
+    /** A cell takes no root that is more layers of cells away. */
+    constexpr unsigned int farthest_layer = 2;
 
     /** int N_A, m^dim. */
     template <int dim>
@@ -26,218 +26,179 @@ namespace emmy
       return volume;
     }
 
-    /** What the points of a body give a node. */
-    struct Share
-    {
-      dealii::types::global_dof_index node_id;
-      unsigned int                    body;
-      double                          mass; // kg
-
-      template <class Archive>
-      void
-      serialize(Archive &archive, const unsigned int /*version*/)
-      {
-        archive &node_id &body &mass;
-      }
-    };
-
-    /** One share for each node and body, sorted; the sum of those there are. */
-    void
-    merge(std::vector<Share> &shares)
-    {
-      // stable: the order of a sum must not depend on other bodies
-      std::stable_sort(shares.begin(),
-                       shares.end(),
-                       [](const Share &a, const Share &b) {
-                         return std::tie(a.node_id, a.body) <
-                                std::tie(b.node_id, b.body);
-                       });
-      std::size_t n = 0;
-      for (const Share &share : shares)
-        if (n > 0 && shares[n - 1].node_id == share.node_id &&
-            shares[n - 1].body == share.body)
-          shares[n - 1].mass += share.mass;
-        else
-          shares[n++] = share;
-      shares.resize(n);
-    }
-
-    /** The shares of owned nodes, merged, and the largest density. Collective.
-     */
-    template <int dim>
-    std::vector<Share>
-    collect_shares(const Stencils<dim>       &stencils,
-                   const double              *mass,
-                   const double              *volume,
-                   const BackgroundGrid<dim> &grid,
-                   Exchange                  &density)
-    {
-      std::vector<Share> shares;
-      for (const auto &group : stencils.groups)
-        for (unsigned int a = 0; a < group.n_nodes; ++a)
-          {
-            const double *S   = stencils.value(group, a);
-            const double *m   = mass + group.first_point;
-            const double *V   = volume + group.first_point;
-            double        sum = 0., largest_density = 0.;
-            for (unsigned int p = 0; p < group.n_points; ++p)
-              {
-                sum += m[p] * S[p];
-                largest_density = std::max(largest_density, m[p] / V[p]);
-              }
-            const auto id = stencils.node_ids[group.first_node + a];
-            // S may be zero, and then zero or less by round-off
-            shares.push_back(
-              {id,
-               group.body,
-               std::max(sum, std::numeric_limits<double>::min())});
-            density(id) = std::max<double>(density(id), largest_density);
-          }
-      merge(shares);
-
-      // ghosts are sorted by their owners
-      const auto                                &nodes = *grid.nodes();
-      std::map<unsigned int, std::vector<Share>> of_others;
-      std::vector<Share>                         result;
-      for (const Share &share : shares)
-        if (nodes.in_local_range(share.node_id))
-          result.push_back(share);
-        else
-          {
-            unsigned int ghost =
-              nodes.global_to_local(share.node_id) - nodes.locally_owned_size();
-            auto owner = nodes.ghost_targets().begin();
-            for (; ghost >= owner->second; ++owner)
-              ghost -= owner->second;
-            of_others[owner->first].push_back(share);
-          }
-      for (const auto &[sender, from_there] :
-           dealii::Utilities::MPI::some_to_some(grid.communicator(), of_others))
-        {
-          (void)sender;
-          result.insert(result.end(), from_there.begin(), from_there.end());
-        }
-      merge(result);
-      density.compress(dealii::VectorOperation::max);
-      return result;
-    }
-
-    /** Find how all nodes are fed; the threshold says which are free. */
-    template <int dim>
-    Feeding
-    weigh(const Stencils<dim>       &stencils,
-          const double              *mass,
-          const double              *volume,
-          const double               threshold,
-          const BackgroundGrid<dim> &grid)
-    {
-      Feeding    result;
-      Exchange   density(grid.nodes());
-      const auto shares = collect_shares(stencils, mass, volume, grid, density);
-      const unsigned int  n_owned = density.locally_owned_size();
-      std::vector<double> total(n_owned), largest(n_owned);
-      result.body.resize(n_owned);
-      for (const Share &share : shares)
-        {
-          const unsigned int i = grid.nodes()->global_to_local(share.node_id);
-          total[i] += share.mass;
-          if (!reaches(largest[i], share.mass))
-            {
-              largest[i]     = share.mass;
-              result.body[i] = share.body;
-            }
-        }
-
-      result.part.reinit(grid.nodes());
-      result.is_free.reinit(grid.nodes());
-      for (unsigned int i = 0; i < n_owned; ++i)
-        if (density.local_element(i) > 0.)
-          {
-            const auto id = grid.nodes()->local_to_global(i);
-            result.part.local_element(i) =
-              total[i] / (density.local_element(i) *
-                          volume_of_node<dim>(grid.node_lattice(id), grid));
-            result.is_free.local_element(i) =
-              reaches(result.part.local_element(i), threshold);
-            result.active.push_back(i);
-          }
-      result.part.update_ghost_values();
-      return result;
-    }
-
-    /** By component and by node of the root: what owners tell of a node. */
-    using Fields = std::vector<Exchange>;
-
     /**
-     * The owner of a node chooses its root, as it knows all cells around.
-     * @return at each owned node the root's place in the lattice plus one, 0 if
-     *   there is none, and the ids of the root's nodes (numbers are exact in
-     *   double up to 2^53)
+     * Mass of the nodes as a part of what a full body gives; below zero where
+     * no particle reaches. Ghosts are up to date. Collective.
      */
     template <int dim>
-    Fields
-    choose(const Feeding             &nodes,
-           const Roots<dim>          &roots,
-           const BackgroundGrid<dim> &grid)
-    {
-      Fields fields(dim + Follower<dim>::n_roots, Exchange(grid.nodes()));
-      for (const unsigned int node : nodes.active)
-        {
-          if (nodes.is_free.local_element(node) > 0.)
-            continue;
-          const auto &lattice =
-            grid.node_lattice(grid.nodes()->local_to_global(node));
-          std::array<int, dim> first, place;
-          for (unsigned int d = 0; d < dim; ++d)
-            {
-              first[d] = int(lattice[d]) - 1;
-              place[d] = 2 * int(lattice[d]);
-            }
-          const Root<dim> *root =
-            preferred<dim>(roots, first, 2, nodes.body[node], place, grid);
-          Assert(root, dealii::ExcInternalError());
-          for (unsigned int d = 0; d < dim; ++d)
-            fields[d].local_element(node) = root->cell[d] + 1.;
-          for (unsigned int v = 0; v < Follower<dim>::n_roots; ++v)
-            fields[dim + v].local_element(node) = root->ids[v];
-        }
-      return fields;
-    }
-
-    template <int dim>
-    Follower<dim>
-    make_follower(const Fields              &fields,
-                  const unsigned int         node,
+    NodeValues
+    parts_of_full(const Stencils<dim>       &stencils,
+                  const double              *mass,
+                  const double              *volume,
                   const BackgroundGrid<dim> &grid)
     {
-      Follower<dim> follower;
-      follower.node_id = grid.nodes()->local_to_global(node);
-      follower.weights.fill(1.);
-      const auto &lattice = grid.node_lattice(follower.node_id);
-      for (unsigned int d = 0; d < dim; ++d)
+      NodeValues total(grid.nodes()), density(grid.nodes());
+      for (const auto &group : stencils.groups)
         {
-          follower.root[d]   = fields[d].local_element(node) - 1.;
-          const int distance = int(lattice[d]) - int(follower.root[d]);
-          for (unsigned int v = 0; v < Follower<dim>::n_roots; ++v)
-            follower.weights[v] *= (v >> d) & 1 ? distance : 1 - distance;
-          follower.distance =
-            std::max<int>(follower.distance, std::max(-distance, distance - 1));
+          const double *m               = mass + group.first_point;
+          const double *V               = volume + group.first_point;
+          double        largest_density = 0.;
+          for (unsigned int p = 0; p < group.n_points; ++p)
+            largest_density = std::max(largest_density, m[p] / V[p]);
+          for (unsigned int a = 0; a < group.n_nodes; ++a)
+            {
+              const double *S   = stencils.value(group, a);
+              double        sum = 0.;
+              for (unsigned int p = 0; p < group.n_points; ++p)
+                sum += m[p] * S[p];
+              const auto id = stencils.node_ids[group.first_node + a];
+              total(id) += sum;
+              density(id) = std::max<double>(density(id), largest_density);
+            }
         }
-      for (unsigned int v = 0; v < Follower<dim>::n_roots; ++v)
-        follower.root_ids[v] = fields[dim + v].local_element(node);
-      return follower;
+      total.compress(dealii::VectorOperation::add);
+      density.compress(dealii::VectorOperation::max);
+      NodeValues part(grid.nodes());
+      for (unsigned int i = 0; i < part.locally_owned_size(); ++i)
+        {
+          const auto id = grid.nodes()->local_to_global(i);
+          // the sum may be zero, and then zero or less by round-off
+          part.local_element(i) =
+            density.local_element(i) > 0.
+              ? std::max(0., total.local_element(i)) /
+                  (density.local_element(i) *
+                   volume_of_node<dim>(grid.node_lattice(id), grid))
+              : -1.;
+        }
+      part.update_ghost_values();
+      return part;
+    }
+
+    /** The number of nodes of all ranks that hold. Collective. */
+    template <class Condition>
+    std::uint64_t
+    count(const NodeValues &nodes, const Condition &holds)
+    {
+      std::uint64_t n = 0;
+      for (unsigned int i = 0; i < nodes.locally_owned_size(); ++i)
+        n += holds(i);
+      return dealii::Utilities::MPI::sum(n, nodes.get_mpi_communicator());
+    }
+
+    /**
+     * Where no root is near, lower the bar until cells reach it, and count
+     * their nodes as fed. Collective.
+     */
+    template <int dim>
+    void
+    keep_best_cells(const Stencils<dim>       &stencils,
+                    const NodeValues          &part,
+                    const double               threshold,
+                    const BackgroundGrid<dim> &grid,
+                    NodeValues                &fed)
+    {
+      for (double bar = threshold;;)
+        {
+          const auto roots = find_roots(stencils, fed, grid, farthest_layer);
+          // the least part of the nodes of a cell that has no root
+          std::vector<std::pair<typename BackgroundGrid<dim>::Cell, double>>
+                 without;
+          double best = -1.;
+          for (const auto &cell : stencils.active_cells)
+            if (roots.find(grid.lattice(cell)) == roots.end())
+              {
+                double least = std::numeric_limits<double>::max();
+                for (const auto id : grid.node_ids(cell))
+                  least = std::min<double>(least, part(id));
+                without.emplace_back(cell, least);
+                best = std::max(best, least);
+              }
+          best = dealii::Utilities::MPI::max(best, grid.communicator());
+          if (best < 0.)
+            return;
+          // the next bar that some cell reaches; at last, all do
+          while (bar > 0. && !reaches(best, bar))
+            bar = bar > 1e-12 * threshold ? 0.5 * bar : 0.;
+
+          NodeValues kept(grid.nodes());
+          for (const auto &[cell, least] : without)
+            if (reaches(least, bar))
+              for (const auto id : grid.node_ids(cell))
+                kept(id) = 1.;
+          kept.compress(dealii::VectorOperation::max);
+          for (unsigned int i = 0; i < kept.locally_owned_size(); ++i)
+            if (kept.local_element(i) > 0.)
+              fed.local_element(i) = 1.;
+          fed.update_ghost_values();
+        }
     }
   } // namespace
 
   template <int dim>
-  dealii::Point<dim>
-  Follower<dim>::root_position(const unsigned int         vertex,
-                               const BackgroundGrid<dim> &grid) const
+  std::uint64_t
+  class_changes(const NodeClasses<dim>    &before,
+                const NodeClasses<dim>    &now,
+                const BackgroundGrid<dim> &grid)
   {
-    typename BackgroundGrid<dim>::Lattice place;
-    for (unsigned int d = 0; d < dim; ++d)
-      place[d] = root[d] + ((vertex >> d) & 1);
-    return grid.corner(place);
+    auto old = before.active;
+    // all ranks renew their partition together; one that has none yet differs
+    if (before.fed.get_partitioner() != now.fed.get_partitioner())
+      {
+        const auto all =
+          dealii::Utilities::MPI::all_gather(grid.communicator(), old);
+        old.clear();
+        for (const auto &part : all)
+          old.insert(old.end(), part.begin(), part.end());
+        std::sort(old.begin(), old.end());
+      }
+    std::uint64_t n     = 0;
+    auto          entry = old.begin();
+    for (const auto &[place, is_fed] : now.active)
+      {
+        while (entry != old.end() && entry->first < place)
+          ++entry;
+        n += entry != old.end() && entry->first == place &&
+             entry->second != is_fed;
+      }
+    return dealii::Utilities::MPI::sum(n, grid.communicator());
+  }
+
+  template <int dim>
+  Follower<dim>::Follower(const dealii::types::global_dof_index node_id,
+                          const std::vector<Root<dim>>         &roots_of_node,
+                          const BackgroundGrid<dim>            &grid)
+    : node_id(node_id)
+  {
+    constexpr unsigned int    n_vertices = BackgroundGrid<dim>::nodes_per_cell;
+    const Lattice            &node       = grid.node_lattice(node_id);
+    std::map<Lattice, Master> by_place;
+    for (const Root<dim> &root : roots_of_node)
+      {
+        roots.push_back(root.cell);
+        std::array<double, n_vertices> weights;
+        weights.fill(1.);
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            const int across = int(node[d]) - int(root.cell[d]);
+            for (unsigned int v = 0; v < n_vertices; ++v)
+              weights[v] *= (v >> d) & 1 ? across : 1 - across;
+            distance = std::max<int>(distance, std::max(-across, across - 1));
+          }
+        for (unsigned int v = 0; v < n_vertices; ++v)
+          {
+            Lattice place = root.cell;
+            for (unsigned int d = 0; d < dim; ++d)
+              place[d] += (v >> d) & 1;
+            Master &master = by_place[place];
+            master.id      = root.ids[v];
+            master.place   = place;
+            master.weight += weights[v];
+          }
+      }
+    for (const auto &[place, master] : by_place)
+      if (master.weight != 0.)
+        masters.push_back(
+          {master.id, place, master.weight / roots_of_node.size()});
   }
 
   template <int dim>
@@ -247,8 +208,7 @@ namespace emmy
     return std::to_string(n_followers) +
            " starved nodes follow roots at most " +
            std::to_string(farthest_root) +
-           " cells away, the largest weight is " +
-           std::to_string(std::lround(largest_weight)) +
+           " cells away, the largest weight is " + brief(largest_weight) +
            (n_kept > 0 ? "; " + std::to_string(n_kept) +
                            " starved nodes are free, as no cell around has more"
                        : std::string());
@@ -264,38 +224,80 @@ namespace emmy
   {}
 
   template <int dim>
-  Aggregates<dim>
-  Aggregation<dim>::operator()(const Stencils<dim>       &stencils,
-                               const PointArrays<dim>    &points,
-                               const BackgroundGrid<dim> &grid) const
+  NodeClasses<dim>
+  Aggregation<dim>::classify(const Stencils<dim>       &stencils,
+                             const PointArrays<dim>    &points,
+                             const BackgroundGrid<dim> &grid) const
   {
-    Feeding          nodes       = weigh(stencils,
-                          points.component(mass_component),
-                          points.component(volume_component),
-                          threshold,
-                          grid);
-    const Roots<dim> roots       = find_roots(stencils, threshold, grid, nodes);
-    const Fields     fields      = choose<dim>(nodes, roots, grid);
-    std::uint64_t    n_followers = 0, n_kept = 0;
-    for (const unsigned int node : nodes.active)
-      if (nodes.is_free.local_element(node) == 0.)
-        ++n_followers;
-      else if (!reaches(nodes.part.local_element(node), threshold))
-        ++n_kept;
-    const MPI_Comm  communicator = grid.communicator();
+    const NodeValues part = parts_of_full(stencils,
+                                          points.component(mass_component),
+                                          points.component(volume_component),
+                                          grid);
+    NodeClasses<dim> classes;
+    classes.fed.reinit(grid.nodes());
+    for (unsigned int i = 0; i < part.locally_owned_size(); ++i)
+      classes.fed.local_element(i) = reaches(part.local_element(i), threshold);
+    classes.fed.update_ghost_values();
+    const auto is_starved = [&](const unsigned int i) {
+      return part.local_element(i) >= 0. &&
+             !reaches(part.local_element(i), threshold);
+    };
+    if (count(part, is_starved) > 0)
+      {
+        keep_best_cells(stencils, part, threshold, grid, classes.fed);
+        classes.n_kept = count(part, [&](const unsigned int i) {
+          return is_starved(i) && classes.fed.local_element(i) > 0.;
+        });
+      }
+    for (unsigned int i = 0; i < part.locally_owned_size(); ++i)
+      if (part.local_element(i) >= 0.)
+        classes.active.emplace_back(grid.node_lattice(
+                                      grid.nodes()->local_to_global(i)),
+                                    classes.fed.local_element(i) > 0.);
+    std::sort(classes.active.begin(), classes.active.end());
+    return classes;
+  }
+
+  template <int dim>
+  Aggregates<dim>
+  Aggregation<dim>::find(const NodeClasses<dim>    &classes,
+                         const Stencils<dim>       &stencils,
+                         const BackgroundGrid<dim> &grid) const
+  {
     Aggregates<dim> result;
-    result.n_followers = dealii::Utilities::MPI::sum(n_followers, communicator);
-    result.n_kept      = dealii::Utilities::MPI::sum(n_kept, communicator);
-    if (result.n_followers == 0)
+    result.n_kept = classes.n_kept;
+    NodeValues active(grid.nodes());
+    for (const auto id : stencils.node_ids)
+      active(id) = 1.;
+    active.compress(dealii::VectorOperation::add);
+    const auto is_starved = [&](const unsigned int i) {
+      return active.local_element(i) > 0. && classes.fed.local_element(i) == 0.;
+    };
+    const std::uint64_t n_starved = count(active, is_starved);
+    if (n_starved == 0)
       return result;
 
-    for (const Exchange &field : fields)
-      field.update_ghost_values();
-    const unsigned int n_known =
-      grid.nodes()->locally_owned_size() + grid.nodes()->n_ghost_indices();
-    for (unsigned int node = 0; node < n_known; ++node)
-      if (fields[0].local_element(node) > 0.)
-        result.followers.push_back(make_follower<dim>(fields, node, grid));
+    // as many layers as there are: the particles may have moved since
+    const auto roots = find_roots(stencils,
+                                  classes.fed,
+                                  grid,
+                                  std::numeric_limits<unsigned int>::max());
+    std::map<dealii::types::global_dof_index, std::vector<Root<dim>>> chosen;
+    for (unsigned int i = 0; i < active.locally_owned_size(); ++i)
+      if (is_starved(i))
+        {
+          const auto id = grid.nodes()->local_to_global(i);
+          auto nearest  = nearest_roots(roots, grid.node_lattice(id), grid);
+          if (!nearest.empty())
+            chosen[id] = std::move(nearest);
+        }
+    const MPI_Comm communicator = grid.communicator();
+    result.n_followers =
+      dealii::Utilities::MPI::sum(std::uint64_t(chosen.size()), communicator);
+    result.n_kept += n_starved - result.n_followers;
+
+    for (const auto &[id, nearest] : share_roots<dim>(std::move(chosen), grid))
+      result.followers.emplace_back(id, nearest, grid);
     // the order must not depend on which part of the grid has cells
     std::sort(result.followers.begin(),
               result.followers.end(),
@@ -307,9 +309,9 @@ namespace emmy
       {
         result.farthest_root =
           std::max(result.farthest_root, follower.distance);
-        for (const double weight : follower.weights)
+        for (const auto &master : follower.masters)
           result.largest_weight =
-            std::max(result.largest_weight, std::abs(weight));
+            std::max(result.largest_weight, std::abs(master.weight));
       }
     result.farthest_root =
       dealii::Utilities::MPI::max(result.farthest_root, communicator);
@@ -318,6 +320,14 @@ namespace emmy
     return result;
   }
 
+  template std::uint64_t
+  class_changes<2>(const NodeClasses<2> &,
+                   const NodeClasses<2> &,
+                   const BackgroundGrid<2> &);
+  template std::uint64_t
+  class_changes<3>(const NodeClasses<3> &,
+                   const NodeClasses<3> &,
+                   const BackgroundGrid<3> &);
   template struct Follower<2>;
   template struct Follower<3>;
   template struct Aggregates<2>;

@@ -81,6 +81,17 @@ namespace emmy
   }
 
   template <int dim>
+  void
+  ParticlesToGrid<dim>::classify(const Stencils<dim>    &stencils,
+                                 const PointArrays<dim> &points)
+  {
+    if (!aggregate)
+      return;
+    const auto timed = effect_scope(phases, aggregation_effect);
+    start.classes    = aggregate->classify(stencils, points, grid);
+  }
+
+  template <int dim>
   GridStart<dim> &
   ParticlesToGrid<dim>::operator()(const Stencils<dim>    &stencils,
                                    const PointArrays<dim> &points)
@@ -94,7 +105,7 @@ namespace emmy
     if (aggregate)
       {
         const auto timed = effect_scope(phases, aggregation_effect);
-        start.aggregates = (*aggregate)(stencils, points, grid);
+        start.aggregates = aggregate->find(start.classes, stencils, grid);
       }
     if (!start.active ||
         !start.active->fits(stencils, start.ghost_faces, start.aggregates))

@@ -1,10 +1,8 @@
+#include <emmy/transfer/active_cells.h>
 #include <emmy/transfer/roots.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <set>
-#include <tuple>
 
 namespace emmy
 {
@@ -15,221 +13,243 @@ namespace emmy
     template <int dim>
     using Lattice = typename BackgroundGrid<dim>::Lattice;
 
+    /** A root as ranks send it: its place and its nodes. */
+    template <int dim>
+    using Entry =
+      std::array<global_dof_index, dim + BackgroundGrid<dim>::nodes_per_cell>;
+
+    template <int dim>
+    Entry<dim>
+    packed(const Root<dim> &root)
+    {
+      Entry<dim> entry;
+      std::copy(root.cell.begin(), root.cell.end(), entry.begin());
+      std::copy(root.ids.begin(), root.ids.end(), entry.begin() + dim);
+      return entry;
+    }
+
+    template <int dim>
+    Root<dim>
+    unpacked(const Entry<dim> &entry)
+    {
+      Root<dim> root;
+      std::copy_n(entry.begin(), dim, root.cell.begin());
+      std::copy_n(entry.begin() + dim,
+                  BackgroundGrid<dim>::nodes_per_cell,
+                  root.ids.begin());
+      return root;
+    }
+
     /** Tell the ranks beside this one of the roots of its cells. Collective. */
     template <int dim>
     void
     exchange(const BackgroundGrid<dim> &grid, Roots<dim> &roots)
     {
-      std::vector<std::pair<Lattice<dim>, unsigned int>> bodies_at;
-      if (dealii::Utilities::MPI::n_mpi_processes(grid.communicator()) > 1)
-        for (const auto &[cell, root] : roots)
-          bodies_at.emplace_back(cell.second, cell.first);
-      std::sort(bodies_at.begin(), bodies_at.end());
-
-      // body, layer, cell and ids
-      using Entry = std::array<global_dof_index,
-                               2 + dim + BackgroundGrid<dim>::nodes_per_cell>;
-      using Data  = std::vector<Entry>;
+      using Data = std::vector<Entry<dim>>;
       exchange_beside<Data>(
         grid,
-        [&](const Lattice<dim> &lattice) {
-          Data data;
-          for (auto here = std::lower_bound(bodies_at.begin(),
-                                            bodies_at.end(),
-                                            std::make_pair(lattice, 0u));
-               here != bodies_at.end() && here->first == lattice;
-               ++here)
-            {
-              const unsigned int body = here->second;
-              const Root<dim>   &root = roots.at({body, lattice});
-              Entry              entry{{body, root.layer}};
-              std::copy(root.cell.begin(), root.cell.end(), entry.begin() + 2);
-              std::copy(root.ids.begin(),
-                        root.ids.end(),
-                        entry.begin() + 2 + dim);
-              data.push_back(entry);
-            }
+        [&](const Lattice<dim> &place) {
+          Data       data;
+          const auto found = roots.find(place);
+          if (found != roots.end())
+            for (const Root<dim> &root : found->second)
+              data.push_back(packed(root));
           return data;
         },
-        [&](const Lattice<dim> &lattice, const Data &data) {
-          for (const Entry &entry : data)
-            {
-              Root<dim> root;
-              root.layer = entry[1];
-              std::copy_n(entry.begin() + 2, dim, root.cell.begin());
-              std::copy_n(entry.begin() + 2 + dim,
-                          BackgroundGrid<dim>::nodes_per_cell,
-                          root.ids.begin());
-              roots[{static_cast<unsigned int>(entry[0]), lattice}] = root;
-            }
+        [&](const Lattice<dim> &place, const Data &data) {
+          if (data.empty())
+            return;
+          auto &found = roots[place];
+          found.clear();
+          for (const Entry<dim> &entry : data)
+            found.push_back(unpacked<dim>(entry));
         });
     }
 
-    /** Call function(CellOfBody) for the cells of a box, within the grid. */
-    template <int dim, class Function>
-    void
-    for_each_cell_in(const std::array<int, dim> &first,
-                     const int                   n,
-                     const unsigned int          body,
-                     const BackgroundGrid<dim>  &grid,
-                     const Function             &function)
-    {
-      for (int i = 0; i < dealii::Utilities::pow(n, dim); ++i)
-        {
-          CellOfBody<dim> cell;
-          cell.first   = body;
-          bool is_cell = true;
-          for (int d = 0, rest = i; d < dim; ++d, rest /= n)
-            {
-              const int place = first[d] + rest % n;
-              is_cell = is_cell && place >= 0 && place < int(grid.n_cells()[d]);
-              cell.second[d] = place;
-            }
-          if (is_cell)
-            function(cell);
-        }
-    }
-
     /**
-     * What is small for the root to be preferred: its layer, its distance from
-     * a place in half cells, its place in the lattice.
+     * All roots of the cells of a box that is n cells wide, sorted.
+     * @param first lower corner of the box; may be outside the grid
      */
     template <int dim>
-    std::tuple<unsigned int, long, Lattice<dim>>
-    rank_of(const Root<dim>            &root,
-            const std::array<int, dim> &place,
-            const BackgroundGrid<dim>  &grid)
+    std::vector<Root<dim>>
+    roots_in(const Roots<dim>           &roots,
+             const std::array<int, dim> &first,
+             const int                   n)
     {
-      const double h      = grid.smallest_cell_size();
-      double       square = 0.;
-      for (unsigned int d = 0; d < dim; ++d)
+      std::vector<Root<dim>> result;
+      for (int i = 0; i < dealii::Utilities::pow(n, dim); ++i)
         {
-          const int    half_cells = 2 * int(root.cell[d]) + 1 - place[d];
-          const double distance   = half_cells * grid.cell_size()[d] / h;
-          square += distance * distance;
+          Lattice<dim> place;
+          for (int d = 0, rest = i; d < dim; ++d, rest /= n)
+            place[d] = first[d] + rest % n; // below zero: no cell has it
+          const auto found = roots.find(place);
+          if (found != roots.end())
+            result.insert(result.end(),
+                          found->second.begin(),
+                          found->second.end());
         }
-      return {root.layer, std::lround(square / tie), root.cell};
+      std::sort(result.begin(), result.end());
+      result.erase(std::unique(result.begin(), result.end()), result.end());
+      return result;
     }
 
-    /** Layer by layer, cells without a root take one from a neighbour. */
     template <int dim>
-    void
-    spread(const std::set<CellOfBody<dim>> &owned,
-           const BackgroundGrid<dim>       &grid,
-           Roots<dim>                      &roots)
+    std::array<int, dim>
+    one_below(const Lattice<dim> &place)
     {
-      exchange(grid, roots);
-      for (unsigned int i = 0; i < farthest_layer; ++i)
-        {
-          Roots<dim> found;
-          for (const CellOfBody<dim> &cell : owned)
-            {
-              if (roots.find(cell) != roots.end())
-                continue;
-              std::array<int, dim> first, centre;
-              for (unsigned int d = 0; d < dim; ++d)
-                {
-                  first[d]  = int(cell.second[d]) - 1;
-                  centre[d] = 2 * int(cell.second[d]) + 1;
-                }
-              const Root<dim> *root =
-                preferred<dim>(roots, first, 3, cell.first, centre, grid);
-              if (root && root->layer < farthest_layer)
-                found[cell] = {root->layer + 1, root->cell, root->ids};
-            }
-          roots.insert(found.begin(), found.end());
-          exchange(grid, roots);
-        }
+      std::array<int, dim> result;
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] = int(place[d]) - 1;
+      return result;
     }
   } // namespace
 
   template <int dim>
-  const Root<dim> *
-  preferred(const Roots<dim>           &roots,
-            const std::array<int, dim> &first,
-            const int                   n,
-            const unsigned int          body,
-            const std::array<int, dim> &place,
-            const BackgroundGrid<dim>  &grid)
+  Roots<dim>
+  find_roots(const Stencils<dim>       &stencils,
+             const NodeValues          &is_fed,
+             const BackgroundGrid<dim> &grid,
+             const unsigned int         n_layers)
   {
-    const Root<dim> *best = nullptr;
-    for_each_cell_in<dim>(
-      first, n, body, grid, [&](const CellOfBody<dim> &cell) {
-        const auto found = roots.find(cell);
-        if (found != roots.end() &&
-            (!best || rank_of<dim>(found->second, place, grid) <
-                        rank_of<dim>(*best, place, grid)))
-          best = &found->second;
-      });
-    return best;
+    Roots<dim>                roots;
+    std::vector<Lattice<dim>> without;
+    for (const auto &cell : stencils.active_cells)
+      {
+        const auto ids   = grid.node_ids(cell);
+        const auto place = grid.lattice(cell);
+        if (std::all_of(ids.begin(), ids.end(), [&](const auto id) {
+              return is_fed(id) > 0.;
+            }))
+          roots[place] = {{place, ids}};
+        else
+          without.push_back(place);
+      }
+    exchange(grid, roots);
+    for (unsigned int layer = 0; layer < n_layers; ++layer)
+      {
+        Roots<dim> found;
+        for (const Lattice<dim> &place : without)
+          {
+            auto of_place = roots_in<dim>(roots, one_below<dim>(place), 3);
+            if (!of_place.empty())
+              found[place] = std::move(of_place);
+          }
+        if (dealii::Utilities::MPI::max(found.empty() ? 0 : 1,
+                                        grid.communicator()) == 0)
+          break;
+        without.erase(std::remove_if(without.begin(),
+                                     without.end(),
+                                     [&](const Lattice<dim> &place) {
+                                       return found.count(place) > 0;
+                                     }),
+                      without.end());
+        roots.insert(found.begin(), found.end());
+        exchange(grid, roots);
+      }
+    return roots;
   }
 
   template <int dim>
-  Roots<dim>
-  find_roots(const Stencils<dim>       &stencils,
-             const double               threshold,
-             const BackgroundGrid<dim> &grid,
-             Feeding                   &nodes)
+  std::vector<Root<dim>>
+  nearest_roots(const Roots<dim>          &roots,
+                const Lattice<dim>        &node,
+                const BackgroundGrid<dim> &grid)
   {
-    const auto owned = owned_active_cells(stencils, grid);
-    Roots<dim> roots;
-    for (double bar = threshold;;)
-      {
-        // the least part of the nodes of a cell, if it has no root yet
-        std::map<CellOfBody<dim>, double> parts;
-        double                            best = -1.;
-        for (const CellOfBody<dim> &cell : owned)
-          if (roots.find(cell) == roots.end())
-            {
-              double part = std::numeric_limits<double>::max();
-              for (const auto id : grid.node_ids(grid.cell_at(cell.second)))
-                part = std::min<double>(part, nodes.part(id));
-              parts[cell] = part;
-              best        = std::max(best, part);
-            }
-        best = dealii::Utilities::MPI::max(best, grid.communicator());
-        if (best < 0.)
-          break;
-        // the next bar that some cell reaches; at last, all do
-        while (bar > 0. && !reaches(best, bar))
-          bar = bar > 1e-12 * threshold ? 0.5 * bar : 0.;
+    auto       result   = roots_in<dim>(roots, one_below<dim>(node), 2);
+    const auto distance = [&](const Root<dim> &root) {
+      double square = 0.;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          const double x =
+            (int(root.cell[d]) - int(node[d]) + 0.5) * grid.cell_size()[d];
+          square += x * x;
+        }
+      return std::sqrt(square);
+    };
+    double least = std::numeric_limits<double>::max();
+    for (const Root<dim> &root : result)
+      least = std::min(least, distance(root));
+    least += tie * grid.smallest_cell_size();
+    result.erase(std::remove_if(result.begin(),
+                                result.end(),
+                                [&](const Root<dim> &root) {
+                                  return distance(root) > least;
+                                }),
+                 result.end());
+    return result;
+  }
 
-        for (const auto &[cell, part] : parts)
-          if (reaches(part, bar))
+  template <int dim>
+  std::map<global_dof_index, std::vector<Root<dim>>>
+  share_roots(std::map<global_dof_index, std::vector<Root<dim>>> chosen,
+              const BackgroundGrid<dim>                         &grid)
+  {
+    if (dealii::Utilities::MPI::n_mpi_processes(grid.communicator()) == 1)
+      return chosen;
+    // a node and one of its roots
+    using Message =
+      std::vector<std::array<global_dof_index,
+                             1 + dim + BackgroundGrid<dim>::nodes_per_cell>>;
+    const auto               &nodes = *grid.nodes();
+    std::vector<unsigned int> known_to_others; // one receiver after the other
+    for (const auto &[begin, end] : nodes.import_indices())
+      for (unsigned int i = begin; i < end; ++i)
+        known_to_others.push_back(i);
+
+    std::map<unsigned int, Message> to_others;
+    auto                            node = known_to_others.begin();
+    for (const auto &[receiver, n_nodes] : nodes.import_targets())
+      for (unsigned int i = 0; i < n_nodes; ++i, ++node)
+        {
+          const auto id    = nodes.local_to_global(*node);
+          const auto found = chosen.find(id);
+          if (found == chosen.end())
+            continue;
+          for (const Root<dim> &root : found->second)
             {
-              const auto ids = grid.node_ids(grid.cell_at(cell.second));
-              roots[cell]    = {0, cell.second, ids};
-              for (const auto id : ids)
-                nodes.is_free(id) = 1.;
+              typename Message::value_type part;
+              part[0]          = id;
+              const auto entry = packed(root);
+              std::copy(entry.begin(), entry.end(), part.begin() + 1);
+              to_others[receiver].push_back(part);
             }
-        spread(owned, grid, roots);
+        }
+    for (const auto &[sender, message] :
+         dealii::Utilities::MPI::some_to_some(grid.communicator(), to_others))
+      {
+        (void)sender;
+        for (const auto &part : message)
+          {
+            Entry<dim> entry;
+            std::copy(part.begin() + 1, part.end(), entry.begin());
+            chosen[part[0]].push_back(unpacked<dim>(entry));
+          }
       }
-    nodes.is_free.compress(dealii::VectorOperation::max);
-    return roots;
+    return chosen;
   }
 
   template Roots<2>
   find_roots<2>(const Stencils<2> &,
-                const double,
+                const NodeValues &,
                 const BackgroundGrid<2> &,
-                Feeding &);
+                const unsigned int);
   template Roots<3>
   find_roots<3>(const Stencils<3> &,
-                const double,
+                const NodeValues &,
                 const BackgroundGrid<3> &,
-                Feeding &);
-  template const Root<2> *
-  preferred<2>(const Roots<2> &,
-               const std::array<int, 2> &,
-               const int,
-               const unsigned int,
-               const std::array<int, 2> &,
-               const BackgroundGrid<2> &);
-  template const Root<3> *
-  preferred<3>(const Roots<3> &,
-               const std::array<int, 3> &,
-               const int,
-               const unsigned int,
-               const std::array<int, 3> &,
-               const BackgroundGrid<3> &);
+                const unsigned int);
+  template std::vector<Root<2>>
+  nearest_roots<2>(const Roots<2> &,
+                   const BackgroundGrid<2>::Lattice &,
+                   const BackgroundGrid<2> &);
+  template std::vector<Root<3>>
+  nearest_roots<3>(const Roots<3> &,
+                   const BackgroundGrid<3>::Lattice &,
+                   const BackgroundGrid<3> &);
+  template std::map<global_dof_index, std::vector<Root<2>>>
+  share_roots<2>(std::map<global_dof_index, std::vector<Root<2>>>,
+                 const BackgroundGrid<2> &);
+  template std::map<global_dof_index, std::vector<Root<3>>>
+  share_roots<3>(std::map<global_dof_index, std::vector<Root<3>>>,
+                 const BackgroundGrid<3> &);
 } // namespace emmy

@@ -124,6 +124,7 @@ namespace
     std::string              material;
     std::vector<std::string> effects;
     std::string              shape_functions = "linear";
+    std::string              starved         = "free"; ///< nodes
 
     bool
     has(const std::string &name) const
@@ -193,7 +194,8 @@ namespace
            "\nend\nend\nend\nsubsection Effects\nset Names = " +
            join(choice.effects) + "\n" + effects +
            "end\nsubsection Method\nset Shape functions = " +
-           choice.shape_functions + "\nend\n" + unused +
+           choice.shape_functions + "\nset Starved nodes = " + choice.starved +
+           "\nend\n" + unused +
            "subsection Time\nset End time = 2\nset Step rule = fixed\n"
            "set Step size = 0.125\nend\n";
   }
@@ -218,7 +220,7 @@ namespace
     };
     const auto leave_out = [&](auto &library) {
       for (const std::string &name : library.names())
-        if (!choice.has(name) && name != "linear") // a default must be there
+        if (!choice.has(name))
           {
             const LeftOut gone(library, name);
             check_same("leaving out <" + name + ">", "");
@@ -275,6 +277,6 @@ main(int argc, char *argv[])
   check_absent<3>({"Hencky", {}});
   check_absent<2>({"Hencky", {"point load"}, "GIMP"});
   check_absent<2>({"von Mises", {"ghost stabilisation"}});
-  check_absent<3>({"von Mises", {"gravity", "aggregation"}});
+  check_absent<3>({"von Mises", {"gravity"}, "linear", "follow"});
   return test::report();
 }

@@ -23,7 +23,8 @@ namespace
     const bool        is_space = dim == 3;
     const std::string corner   = is_space ? ", 1" : "";
     return std::string("set Dimension = ") + (is_space ? "3" : "2") +
-           "\nsubsection Grid\nset Lower corner = 0, 0" +
+           "\nsubsection Method\nset Shape functions = linear\nset Starved nodes = free\nend\n"
+           "subsection Grid\nset Lower corner = 0, 0" +
            (is_space ? ", 0" : "") + "\nset Upper corner = 4, 3" +
            (is_space ? ", 3" : "") +
            "\nset Cells = " + (is_space ? "4, 3, 3" : "8, 6") +
@@ -293,11 +294,14 @@ namespace
     // four particles are equally near to a corner of cells; h/6 = 1/12
     const auto tied =
       shares<2>("set Points nearest to = 1.5, 1.5", MPI_COMM_WORLD);
-    check(tied.size() == 1 && std::abs(tied[0][0] - 17. / 12.) < 1e-14 &&
-            std::abs(tied[0][1] - 17. / 12.) < 1e-14 && tied[0][2] == 1.,
-          "a tie goes to the smallest x, then y");
-    const auto twice =
-      shares<2>("set Points nearest to = 2, 1.5; 0, 0; 2, 1.5", MPI_COMM_WORLD);
+    check(tied.size() == 4 && tied[0][2] == 0.25 && tied[1][2] == 0.25 &&
+            tied[2][2] == 0.25 && tied[3][2] == 0.25 &&
+            std::abs(tied[0][0] - 17. / 12.) < 1e-14 &&
+            std::abs(tied[3][1] - 19. / 12.) < 1e-14,
+          "equally near particles part a share");
+    const auto twice = shares<2>("set Points nearest to = 2.1, 1.4; 0, 0; "
+                                 "2.1, 1.4",
+                                 MPI_COMM_WORLD);
     check(twice.size() == 2 && twice[0][2] == 1. / 3. && twice[1][2] == 2. / 3.,
           "a particle that is chosen twice holds two shares");
     // the last column: 2.5 - h/6

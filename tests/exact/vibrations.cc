@@ -54,7 +54,8 @@ namespace
           "\nend\nend\nend\nsubsection Boundary conditions\n" +
           (bends ? "set Fixed = x-min" : "set Roller = " + sides) +
           "\nend\nsubsection Method\nset Shape functions = " + shape_functions +
-          "\nend\nsubsection Time\nset End time = 1\nset Step rule = fixed\n"
+          "\nset Starved nodes = free\nend\nsubsection Time\nset End time = 1\n"
+          "set Step rule = fixed\n"
           "set Step size = " +
           shortest(period / n_steps) + "\nend\n",
         "test");

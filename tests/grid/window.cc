@@ -147,7 +147,8 @@ namespace
     // along the floor, which is y-min of both grids
     check_flight<2>("aggregation, floor",
                     discs,
-                    fast + Settings{"Effects/Names=aggregation, gravity",
+                    fast + Settings{"Method/Starved nodes=follow",
+                                    "Effects/Names=gravity",
                                     "Effects/Gravity/Acceleration=0, -1.5",
                                     "Boundary conditions/Roller=y-min",
                                     "Bodies/left/Initial velocity=4.9; 0"},

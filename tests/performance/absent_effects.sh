@@ -47,6 +47,7 @@ scene()
     BEGIN {
       middle = n / 2 + 2
       print "set Dimension = " dim
+      print "subsection Method\nset Shape functions = linear\nset Starved nodes = free\nend"
       print "subsection Grid\nset Lower corner = " all(0, ", ")
       print "set Upper corner = " all(n + 4, ", ") "\nset Cells = " all(n + 4, ", ") "\nend"
       print "subsection Materials\nset Names = rubber\nsubsection rubber"

@@ -57,8 +57,10 @@ namespace
     const unsigned int first =
       n_cells == scene.small ? 0 : 4 * ((n_cells - scene.body) / 8);
     return "set Dimension = " + std::to_string(scene.dim) +
-           "\nsubsection Grid\nset Lower corner = " + all(0, ", ") +
-           "\nset Upper corner = " + all(n_cells, ", ") +
+           "\nsubsection Method\nset Shape functions = linear\n"
+           "set Starved nodes = free\nend\n"
+           "subsection Grid\nset Lower corner = " +
+           all(0, ", ") + "\nset Upper corner = " + all(n_cells, ", ") +
            "\nset Cells = " + all(n_cells, ", ") +
            "\nend\nsubsection Materials\nset Names = rubber\n"
            "subsection rubber\nset Model = Hencky\nset Density = 5\n"

@@ -42,6 +42,7 @@ scene()
     BEGIN {
       middle = n / 2 + 4
       print "set Dimension = " dim
+      print "subsection Method\nset Shape functions = linear\nset Starved nodes = free\nend"
       print "subsection Grid\nset Lower corner = " all(0, ", ")
       print "set Upper corner = " all(n + 12, ", ") "\nset Cells = " all(n + 12, ", ") "\nend"
       print "subsection Materials\nset Names = m\nsubsection m\nset Model = Hencky"

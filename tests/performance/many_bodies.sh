@@ -1,6 +1,6 @@
 #!/bin/sh
 # What it costs to have many bodies: 100, 400 and 1600 small discs in a lattice,
-# 2 x 2 particles a cell, with aggregation, for five steps. Prints the table of
+# 2 x 2 particles a cell, with followers, for five steps. Prints the table of
 # doc/performance.md: particles, seconds of the processor to read the file and
 # for all of the run, wall seconds of setup and, per step, of aggregation. All
 # should grow with the number of bodies.
@@ -36,7 +36,7 @@ scene()
       print "set Radius = 1\nend\nend"
     }
     print "set Names = " names "\nend"
-    print "subsection Effects\nset Names = aggregation\nend"
+    print "subsection Method\nset Shape functions = linear\nend"
     print "subsection Time\nset End time = 1\nset Step rule = fixed"
     print "set Step size = 0.05\nset Maximum steps = 5\nend"
     print "subsection Output\nset Directory = run\nset Overwrite = true"

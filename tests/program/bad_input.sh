@@ -281,19 +281,22 @@ refused 'no penalty' '<Effects/Ghost stabilisation/Mass penalty> is <0>|both pen
   --set 'Effects/Ghost stabilisation/Mass penalty=0' \
   --set 'Effects/Ghost stabilisation/Stiffness penalty=0'
 
-echo "Aggregation"
-for threshold in 0 1; do
-  refused "mass threshold $threshold" \
-    "<Effects/Aggregation/Mass threshold> is <$threshold>|must lie between 0 and 1" \
-    base.prm --set 'Effects/Names=aggregation' \
-    --set "Effects/Aggregation/Mass threshold=$threshold"
-done
+echo "Starved nodes"
+refused 'a threshold of 1' \
+  '<Method/Starved threshold> is <1>|must lie between 0 and 1|0 chooses' \
+  base.prm --set 'Method/Starved nodes=follow' --set 'Method/Starved threshold=1'
 for mapping in unconstrained inelastic; do
-  refused "aggregation with $mapping walls" \
-    "<Method/Wall mapping> is <$mapping>|it must be <constrained>" \
-    base.prm --set 'Effects/Names=aggregation' --set 'Boundary conditions/Fixed=y-min' \
+  refused "followers with $mapping walls" \
+    "<Method/Wall mapping> is <$mapping>|it must be <constrained>|Starved nodes = free" \
+    base.prm --set 'Method/Starved nodes=follow' --set 'Boundary conditions/Fixed=y-min' \
     --set "Method/Wall mapping=$mapping"
 done
+refused 'the effect that it was' \
+  '<Effects/Names> is <gravity, aggregation>|no effect any more|Method/Starved nodes = follow|Method/Starved threshold' \
+  base.prm --set 'Effects/Names=gravity, aggregation'
+refused 'its section' \
+  'no effect any more|remove <aggregation> here and the section Effects/Aggregation' \
+  base.prm --set 'Effects/Aggregation/Mass threshold=0.2'
 
 echo "Walls"
 refused_set 'velocity of a free side' \
@@ -353,15 +356,15 @@ emmy_run base.prm --set "$alone" --set "$falling" --set 'Effects/Gravity/Acceler
   --set 'Solver/Maximum iterations=1' --set 'Time/Maximum halvings=0'
 check 'a step that fails at a small cut: exit code 1' [ "$status" -eq 1 ]
 expect_error 'a step that fails at a small cut' \
-  'Step 1 from t = 0 s|the scaled Jacobian has the condition number|singular to round-off|weakest at node (|m of the active cell around (1.5, 1.5); 1 particle reaches it: id 0 at (1.5, 1.5) with S = 0.25|add aggregation to Effects/Names|Method/Lumping above 0|more Points per direction'
+  'Step 1 from t = 0 s|the scaled Jacobian has the condition number|singular to round-off|weakest at node (|m of the active cell around (1.5, 1.5); 1 particle reaches it: id 0 at (1.5, 1.5) with S = 0.25|set Method/Starved nodes = follow|Method/Lumping above 0|more Points per direction'
 check 'a step that fails at a small cut: no talk of thresholds' has_lines 0 "$work/err" threshold
 rm -rf results
-emmy_run base.prm --set "$alone" --set 'Effects/Names=gravity, aggregation, ghost stabilisation' \
+emmy_run base.prm --set "$alone" --set 'Method/Starved nodes=follow' --set 'Effects/Names=gravity, ghost stabilisation' \
   --set 'Effects/Gravity/Acceleration=0, -1' --set 'Method/Lumping=1e-16' \
   --set 'Effects/Ghost stabilisation/Mass penalty=1e-16' --set 'Effects/Ghost stabilisation/Stiffness penalty=0' \
   --set 'Solver/Maximum iterations=1' --set 'Time/Maximum halvings=0'
 expect_error 'what is there already is not advised again' \
-  'singular to round-off|Against small cuts, raise Effects/Aggregation/Mass threshold, or raise Effects/Ghost stabilisation/Mass penalty. Use more'
+  'singular to round-off|Against small cuts, raise Method/Starved threshold, or raise Effects/Ghost stabilisation/Mass penalty. Use more'
 rm -rf results
 emmy_run base.prm --set 'Bodies/block/Initial velocity=x; 0' \
   --set 'Solver/Maximum iterations=1' --set 'Time/Maximum halvings=0'

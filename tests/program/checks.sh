@@ -165,6 +165,10 @@ subsection Bodies
     end
   end
 end
+subsection Method
+  set Shape functions = linear
+  set Starved nodes   = free
+end
 subsection Time
   set End time  = 1
   set Step rule = fixed

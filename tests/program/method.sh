@@ -129,14 +129,14 @@ check 'ghosts: both lose energy' \
 scene less --set 'Effects/Names=ghost stabilisation' --set "$ghosts/Stiffness penalty=0"
 check 'no stiffness: none is lost' [ "$(last less ghost_stiffness_loss)" = 0 ]
 
-echo "Aggregation"
-scene idle --set 'Effects/Aggregation/Mass threshold=0.3'
+echo "Starved nodes"
+scene idle --set 'Method/Starved threshold=0.3'
 check 'not named: the same ledger' cmp -s plain/ledger.csv idle/ledger.csv
-scene aggregated --set 'Effects/Names=aggregation'
+scene aggregated --set 'Method/Starved nodes=follow'
 check 'aggregation: nothing is lost' [ "$(columns aggregated)" = strain_energy ]
 carries aggregated 14
 check 'aggregation: what it did' \
-  says aggregated/ledger.csv followers,free_starved,farthest_root,largest_weight
+  says aggregated/ledger.csv followers,free_starved,farthest_root,largest_weight,class_changes
 
 echo "The examples of the paper"
 # paper SCENE NUMBERS BYTES COLUMNS: what a particle carries, what the ledger holds

@@ -1,4 +1,4 @@
-// Whole runs with the effect "aggregation", 4 points per cell where the paper
+// Whole runs with nodes that follow, 4 points per cell where the paper
 // takes 64 and 1225: examples 7.3B and 7.2 on its grid lose no energy and no
 // momentum, and Newton has no hard step. Several ranks agree with one.
 
@@ -17,8 +17,8 @@ namespace
     file.set("Bodies/right/Points per direction=2");
     file.set("Time/Step rule=fixed");
     file.set("Time/Step size=0.0602");
-    file.set("Effects/Names=aggregation");
-    // what Newton leaves must not hide what aggregation might lose
+    file.set("Method/Starved nodes=follow");
+    // what Newton leaves must not hide what followers might lose
     file.set("Solver/Newton tolerance=1e-15");
     return file;
   }
@@ -115,14 +115,14 @@ namespace
         file.set("Boundary conditions/Velocity of y-min=0.2 + 0.1*sin(t); "
                  "0.002*sin(t)");
         file.set("Bodies/left/ball/Center=1.9, 0.9");
-        file.set("Effects/Names=aggregation");
+        file.set("Method/Starved nodes=follow");
         compare<2>(file, 20, std::string("wall, ") + shape_functions);
 
         ParameterFile balls(folder + "/validation/two-balls.prm");
         balls.set(std::string("Method/Shape functions=") + shape_functions);
         balls.set("Bodies/left/Points per direction=2");
         balls.set("Bodies/right/Points per direction=2");
-        balls.set("Effects/Names=aggregation");
+        balls.set("Method/Starved nodes=follow");
         balls.set("Solver/Newton tolerance=1e-15");
         compare<3>(balls, 15, std::string("two balls, ") + shape_functions);
       }

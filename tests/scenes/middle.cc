@@ -51,9 +51,7 @@ namespace
            (in_space ? ", 2" : "") +
            "\nset Radius = 1.2\nend\nend\nend\n"
            "subsection Method\nset Shape functions = GIMP\n"
-           "set Geometry = middle\nend\n"
-           "subsection Effects\nset Names = aggregation\n"
-           "subsection Aggregation\nset Mass threshold = 0.1\nend\nend\n"
+           "set Geometry = middle\nset Starved threshold = 0.1\nend\n"
            "subsection Time\nset Step rule = fixed\nset Step size = 0.04\n"
            "set End time = 10\nend\n"
            "subsection Solver\nset Newton tolerance = 1e-15\nend\n";
@@ -138,7 +136,8 @@ namespace
                             {"Method/Mapping=PIC", "Method/Lumping=0.3"},
                             false);
     check_conservation<dim>(in + "ghosts",
-                            {"Effects/Names=ghost stabilisation"},
+                            {"Effects/Names=ghost stabilisation",
+                             "Method/Starved nodes=free"},
                             false);
     check_conservation<dim>(in + "plastic",
                             {"Materials/m/Model=von Mises",
@@ -146,7 +145,7 @@ namespace
                              "Materials/m/Hardening modulus=10"},
                             true);
     check_conservation<dim>(in + "walls and gravity",
-                            {"Effects/Names=aggregation, gravity",
+                            {"Effects/Names=gravity",
                              dim == 2 ? "Effects/Gravity/Acceleration=0, -2"
                                       : "Effects/Gravity/Acceleration=0, -2, 0",
                              "Boundary conditions/Roller=y-min, x-max"},

@@ -177,7 +177,9 @@ namespace
     const std::string          more = dim == 2 ? "" : ", 3";
     const SceneParameters<dim> parameters(ParameterFile::from_text(
       "set Dimension = " + std::to_string(dim) +
-        "\nsubsection Grid\n"
+        "\nsubsection Method\nset Shape functions = linear\n"
+        "set Starved nodes = free\nend\n"
+        "subsection Grid\n"
         "set Lower corner = 0, 0" +
         (dim == 2 ? "" : ", 0") + "\nset Upper corner = 8, 4" + more +
         "\nset Cells = 16, 8" + (dim == 2 ? "" : ", 6") +
@@ -230,6 +232,8 @@ namespace
     // a block of full cells, so that no node is reached by few particles
     const SceneParameters<2> parameters(ParameterFile::from_text(
       "set Dimension = 2\n"
+      "subsection Method\nset Shape functions = linear\n"
+      "set Starved nodes = free\nend\n"
       "subsection Grid\nset Upper corner = 6, 6\nset Cells = 6, 6\nend\n"
       "subsection Materials\nset Names = m\nsubsection m\n"
       "set Model = Hencky\nset Density = 5\nset Young's modulus = 100\n"

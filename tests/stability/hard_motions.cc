@@ -24,7 +24,7 @@ namespace emmy
           "ghost mass. The block swings without a change of\nvolume; its shear "
           "modulus hardly depends on the ratio, so nor must the strain energy "
           "after 1 s: were the elements to lock,\nit would.");
-        for (const Remedy &remedy : {small_ghosts, aggregation})
+        for (const Remedy &remedy : {small_ghosts, followers})
           {
             double expected = 0.;
             for (const char *const nu : {"0.49", "0.499", "0.4999"})
@@ -63,7 +63,7 @@ namespace emmy
           "parts or a wall would pass through one another are shortened until "
           "they meet, and then to `Maximum travel`, a quarter\nof a cell: so all see "
           "the collision. A step that Newton cannot solve is halved.");
-        for (const Remedy &remedy : {nothing, ghosts, aggregation})
+        for (const Remedy &remedy : {nothing, ghosts, followers})
           for (const unsigned int factor : {1, 5, 15, 50, 150})
             {
               Run<2> run;
@@ -82,7 +82,7 @@ namespace emmy
                                                result.strain.end()),
                              0.1);
             }
-        for (const Remedy &remedy : {ghosts, aggregation})
+        for (const Remedy &remedy : {ghosts, followers})
           for (const unsigned int factor : {1, 5, 15, 50, 150})
             {
               Run<2> run;
@@ -156,7 +156,7 @@ namespace emmy
           "walls and one another again. At 1.0 the discs are pressed to a "
           "fraction, and a step may need to be halved.\n`block.prm` in a long "
           "grid: 3.3 cells a step.");
-        for (const Remedy &remedy : {nothing, ghosts, aggregation})
+        for (const Remedy &remedy : {nothing, ghosts, followers})
           {
             for (const char *const fraction : {"0.1", "0.5", "1.0"})
               collide(suite, fraction, remedy);
@@ -187,7 +187,7 @@ namespace emmy
           "A million times as stiff, a thousand times as heavy",
           "`collision.prm`; the right disc has 1e6 times the stiffness and 1e3 "
           "times the density of the left one.");
-        for (const Remedy &remedy : {nothing, ghosts, aggregation})
+        for (const Remedy &remedy : {nothing, ghosts, followers})
           {
             Run<2> run;
             run.file     = "stability/collision.prm";
@@ -281,7 +281,7 @@ namespace emmy
                  1e-6);
         for (const bool has_ghosts : {true, false})
           {
-            const Remedy &remedy = has_ghosts ? ghosts : aggregation;
+            const Remedy &remedy = has_ghosts ? ghosts : followers;
             const auto    result =
               run_long(suite,
                        "tumbling.prm",

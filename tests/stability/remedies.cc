@@ -1,5 +1,5 @@
 // What is done against small cuts, side by side: nothing, more points, ghosts,
-// aggregation.
+// followers.
 
 #include <algorithm>
 #include <cmath>
@@ -90,7 +90,7 @@ namespace emmy
         run(2, nothing, false);
         const Result many = run(8, nothing, true);
         suite.at_least("runs to the end", many.has_ended, 1);
-        for (const Remedy &remedy : {small_ghosts, aggregation})
+        for (const Remedy &remedy : {small_ghosts, followers})
           {
             const Result result = run(2, remedy, true);
             check_stable(suite, remedy, result, 6, most_lost);
@@ -101,7 +101,7 @@ namespace emmy
                           "energy",
                           difference(result, many),
                           most_different);
-            if (remedy.name == aggregation.name)
+            if (remedy.name == followers.name)
               {
                 suite.at_most("work of residuals, of the energy",
                               result.residual_work,
@@ -117,11 +117,11 @@ namespace emmy
       side_by_side(Suite &suite)
       {
         suite.open_case(
-          "Nothing, more points, ghosts, aggregation",
+          "Nothing, more points, ghosts, followers",
           "Examples 7.2 (elastic, linear functions) and 7.3B (plastic, GIMP), "
           "both on the grid of 7.3B with steps of 0.0602 s to 8 s.\n\n"
           "![Energies over time](pictures/remedies.png)\n\n"
-          "As the discs part, the nodes between them starve: with aggregation "
+          "As the discs part, the nodes between them starve: with followers "
           "they follow one disc, and outermost particles of the other\nstretch. "
           "A particle all of whose nodes follow one root moves rigidly with "
           "it and keeps its strain. With 2 x 2 points and linear\nfunctions the "
@@ -137,10 +137,9 @@ namespace emmy
         };
         const Result many =
           suite.run<2>("7.2.prm, GIMP, 8 x 8", with_gimp(8, nothing));
-        const Result few =
-          suite.run<2>("7.2.prm, GIMP, 2 x 2" + aggregation.name,
-                       with_gimp(2, aggregation));
-        check_stable(suite, aggregation, few, 6, 0.);
+        const Result few = suite.run<2>("7.2.prm, GIMP, 2 x 2" + followers.name,
+                                        with_gimp(2, followers));
+        check_stable(suite, followers, few, 6, 0.);
         suite.at_most("kinetic energy: difference to 8 x 8 points, of the "
                       "energy",
                       difference(few, many),

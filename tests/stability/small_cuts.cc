@@ -163,7 +163,7 @@ namespace emmy
           "at any offset.");
         for (const bool is_tip : {false, true})
           for (const bool is_gimp : {false, true})
-            for (const Remedy &remedy : {nothing, ghosts, aggregation})
+            for (const Remedy &remedy : {nothing, ghosts, followers})
               sweep(suite, is_tip, is_gimp, remedy);
       }
 
@@ -191,10 +191,10 @@ namespace emmy
       void
       find_jumps(Suite &suite, const bool is_tip, const bool is_gimp)
       {
-        const std::string name = name_of(is_tip, is_gimp, aggregation);
+        const std::string name = name_of(is_tip, is_gimp, followers);
         const auto        run  = [&](const double offset) {
           return suite.measure<2>(name,
-                                  flight(is_tip, is_gimp, aggregation, offset));
+                                  flight(is_tip, is_gimp, followers, offset));
         };
         std::vector<Result> results;
         Jump                jump;
@@ -251,7 +251,7 @@ namespace emmy
                         "A sliver of a block in the outermost cells of the "
                         "grid, beside a free edge; two blocks that meet corner "
                         "to\ncorner; a particle that flies alone.");
-        for (const Remedy &remedy : {nothing, ghosts, aggregation})
+        for (const Remedy &remedy : {nothing, ghosts, followers})
           {
             Run<2> sliver, corners, corners_gimp;
             sliver.file           = "stability/block.prm";
@@ -315,7 +315,7 @@ namespace emmy
         suite.at_least("iterations", without.most_iterations, fewest_without);
 
         run.is_stabilised = true;
-        for (const Remedy &remedy : {small_ghosts, aggregation})
+        for (const Remedy &remedy : {small_ghosts, followers})
           {
             run.settings = remedy.settings;
             // the first one is that which names the effect
@@ -337,7 +337,7 @@ namespace emmy
           "GIMP; a particle alone in a new cell makes Newton's matrix singular. "
           "Without a remedy the damped try takes over\n(`run.log` names each such "
           "step), or Newton is slow; a small ghost mass, `Mass penalty = 1e-3` "
-          "and `Stiffness\npenalty = 0`, ends this, and so does aggregation.");
+          "and `Stiffness\npenalty = 0`, ends this, and so do followers.");
         paper_scene(suite, "7.1a.prm", "point load, ", 50, 0.002);
         paper_scene(suite, "7.1b.prm", "point load, ", 50, 0.04);
         paper_scene(suite, "7.3b.prm", "", 20, 0.03);
@@ -352,7 +352,7 @@ namespace emmy
           "Space, eight points per cell",
           "`two-balls.prm` with 2 x 2 x 2 points per cell instead "
           "of 8 x 8 x 8.");
-        for (const Remedy &remedy : {nothing, ghosts, aggregation})
+        for (const Remedy &remedy : {nothing, ghosts, followers})
           for (const bool is_gimp : {false, true})
             {
               Run<3> run;

@@ -75,7 +75,7 @@ namespace emmy
       {"Effects/Names=ghost stabilisation",
        "Effects/Ghost stabilisation/Mass penalty=1e-3",
        "Effects/Ghost stabilisation/Stiffness penalty=0"}};
-    const Remedy aggregation{", aggregation", {"Effects/Names=aggregation"}};
+    const Remedy followers{", followers", {"Method/Starved nodes=follow"}};
 
     using Point = std::pair<double, double>;
 

@@ -340,6 +340,8 @@ namespace
   flying_block(const std::string &diagnosis)
   {
     return "set Dimension = 2\n"
+           "subsection Method\nset Shape functions = linear\n"
+           "set Starved nodes = free\nend\n"
            "subsection Grid\nset Upper corner = 8, 8\nset Cells = 8, 8\nend\n"
            "subsection Materials\nset Names = m\nsubsection m\n"
            "set Model = Hencky\nset Density = 5\n"

@@ -25,9 +25,11 @@ namespace
     const std::string more = dim == 2 ? "" : ", 3";
     ParameterFile     file = ParameterFile::from_text(
       "set Dimension = " + std::to_string(dim) +
-        "\nsubsection Grid\nset Lower corner = 0, 0" + (dim == 2 ? "" : ", 0") +
-        "\nset Upper corner = 4, 3" + more + "\nset Cells = 8, 6" +
-        (dim == 2 ? "" : ", 6") +
+        "\nsubsection Method\nset Shape functions = linear\n"
+            "set Starved nodes = free\nend\n"
+            "subsection Grid\nset Lower corner = 0, 0" +
+        (dim == 2 ? "" : ", 0") + "\nset Upper corner = 4, 3" + more +
+        "\nset Cells = 8, 6" + (dim == 2 ? "" : ", 6") +
         "\nend\nsubsection Materials\nset Names = m\nsubsection m\n"
             "set Model = Hencky\nset Density = 5\nset Young's modulus = 100\n"
             "set Poisson's ratio = 0.3\nend\nend\n"
@@ -190,6 +192,8 @@ namespace
   {
     return ParameterFile::from_text(
       "set Dimension = 2\n"
+      "subsection Method\nset Shape functions = linear\n"
+      "set Starved nodes = free\nend\n"
       "subsection Grid\nset Upper corner = 10, 1\nset Cells = 20, 2\nend\n"
       "subsection Materials\nset Names = m\nsubsection m\n"
       "set Model = Hencky\nset Density = 1\nset Young's modulus = 100\n"
@@ -285,9 +289,11 @@ namespace
         },
         texts);
     };
-    for (const std::string effect : {"ghost stabilisation", "aggregation"})
-      check_refused({{"Effects/Names", effect}},
-                    {"Time/Integrator", "no place for the effect <" + effect});
+    check_refused({{"Effects/Names", "ghost stabilisation"}},
+                  {"Time/Integrator",
+                   "no place for the effect <ghost stabilisation>"});
+    check_refused({{"Method/Starved nodes", "follow"}},
+                  {"Method/Starved nodes", "no equation that nodes"});
     check_refused({{"Method/Lumping", "0.5"}},
                   {"Method/Lumping", "the mass is always lumped"});
     check_refused({{"Method/Stress rule", "end-point"}},

@@ -94,7 +94,8 @@ namespace emmy
                           cloud.balance->ghost_faces(),
                           cloud.balance->aggregation())
       , consistent(*cloud.grid, *cloud.boundary_conditions, cloud.layout, plain)
-      , start(particles_to_grid(stencils, points))
+      , start((particles_to_grid.classify(stencils, points),
+               particles_to_grid(stencils, points)))
       , active(*start.active)
       , M(consistent(stencils, points).mass)
     {

@@ -26,6 +26,8 @@ namespace
     return first_step(
       ParameterFile::from_text(
         "set Dimension = 2\n"
+        "subsection Method\nset Shape functions = linear\n"
+        "set Starved nodes = free\nend\n"
         "subsection Grid\nset Upper corner = 11, 20\nset Cells = 22, 40\nend\n"
         "subsection Materials\nset Names = m\nsubsection m\n"
         "set Model = Hencky\nset Density = 7750000\n"

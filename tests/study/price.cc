@@ -77,15 +77,14 @@ namespace
   std::string
   scene_text(const std::string &folder)
   {
-    return test::collision_text(3) +
+    return test::collision_text(3, "GIMP") +
            "subsection Time\nset Maximum steps = 12\nend\n"
            "subsection Effects\n"
            "set Names = gravity, point load, ghost stabilisation\n"
            "subsection Point load\nset Force = 0.1; 0\n"
            "set Points nearest to = 4, 2.3\nend\n"
            "subsection Gravity\nset Acceleration = 0, -0.1\nend\nend\n"
-           "subsection Method\nset Shape functions = GIMP\n"
-           "set Mapping = blend\nset FLIP fraction = 0.9\n"
+           "subsection Method\nset Mapping = blend\nset FLIP fraction = 0.9\n"
            "set Stress rule = end-point\nend\n"
            "subsection Solver\nset Maximum iterations = 2\nend\n"
            "subsection Output\nset Frames = 1\nset Pictures = false\n"

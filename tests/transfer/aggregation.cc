@@ -16,9 +16,9 @@ namespace
   template <int dim>
   using Lattice = typename BackgroundGrid<dim>::Lattice;
 
-  /** A node, counted in cells, and its root. */
+  /** A node, counted in cells, and its roots. */
   template <int dim>
-  using Choice = std::map<Lattice<dim>, Lattice<dim>>;
+  using Choice = std::map<Lattice<dim>, std::vector<Lattice<dim>>>;
 
   /** Points at the centres of a subdivision of each cell, as bodies fill. */
   template <int dim>
@@ -94,12 +94,15 @@ namespace
   {
     const auto stencils = LinearShapeFunctions<dim>(filling.layout["body"])
                             .evaluate(filling.particles, *filling.grid);
-    const auto points = gather(stencils, filling.layout);
-    return Aggregation<dim>(threshold,
-                            filling.layout["mass"],
-                            filling.layout["reference_volume"])(stencils,
-                                                                points,
-                                                                *filling.grid);
+    const auto             points = gather(stencils, filling.layout);
+    const Aggregation<dim> aggregation(threshold,
+                                       filling.layout["mass"],
+                                       filling.layout["reference_volume"]);
+    return aggregation.find(aggregation.classify(stencils,
+                                                 points,
+                                                 *filling.grid),
+                            stencils,
+                            *filling.grid);
   }
 
   /** The choices of all ranks. */
@@ -110,15 +113,14 @@ namespace
     std::vector<std::array<unsigned int, 2 * dim>> mine;
     for (const Follower<dim> &follower : aggregates.followers)
       if (grid.nodes()->in_local_range(follower.node_id))
-        {
-          const auto node =
-            lattice_of<dim>(grid.node_position(follower.node_id), grid);
-          mine.emplace_back();
-          std::copy(node.begin(), node.end(), mine.back().begin());
-          std::copy(follower.root.begin(),
-                    follower.root.end(),
-                    mine.back().begin() + dim);
-        }
+        for (const Lattice<dim> &root : follower.roots)
+          {
+            const auto node =
+              lattice_of<dim>(grid.node_position(follower.node_id), grid);
+            mine.emplace_back();
+            std::copy(node.begin(), node.end(), mine.back().begin());
+            std::copy(root.begin(), root.end(), mine.back().begin() + dim);
+          }
     Choice<dim> all;
     for (const auto &part :
          dealii::Utilities::MPI::all_gather(grid.communicator(), mine))
@@ -127,9 +129,46 @@ namespace
           Lattice<dim> node, root;
           std::copy_n(entry.begin(), dim, node.begin());
           std::copy_n(entry.begin() + dim, dim, root.begin());
-          all[node] = root;
+          all[node].push_back(root);
         }
     return all;
+  }
+
+  /** A sliver grows by a cell while the classes of its start are held. */
+  void
+  check_held_classes()
+  {
+    using Point = dealii::Point<2>;
+    Filling<2> before({8, 4}), after({8, 4});
+    before.fill(Point(1, 1), Point(3.3, 3), 4);
+    after.fill(Point(2, 1), Point(4.8, 3), 4);
+    const Aggregation<2> aggregation(0.2,
+                                     before.layout["mass"],
+                                     before.layout["reference_volume"]);
+    const auto           evaluate = [](const Filling<2> &filling) {
+      return LinearShapeFunctions<2>(filling.layout["body"])
+        .evaluate(filling.particles, *filling.grid);
+    };
+    const auto at_start = evaluate(before), later = evaluate(after);
+    const auto held = aggregation.classify(at_start,
+                                           gather(at_start, before.layout),
+                                           *before.grid);
+    // the grids are equal; classes belong to one
+    const auto renewed = aggregation.find(held, later, *before.grid);
+    test::check(renewed.n_followers == 6 && renewed.n_kept == 0,
+                "nodes that are new starve: " + renewed.text());
+    for (const auto &[node, roots] : choices(renewed, *before.grid))
+      for (const Lattice<2> &root : roots)
+        test::check(root[0] == 2u && node[0] >= 4,
+                    "they follow roots that are still active");
+
+    const auto now =
+      aggregation.classify(later, gather(later, after.layout), *after.grid);
+    test::check(class_changes(held, held, *before.grid) == 0,
+                "the same classes: no change");
+    test::check(class_changes(held, now, *before.grid) == 3,
+                "the three nodes that the sliver has filled are fed now; the "
+                "new and the left ones do not count");
   }
 
   void
@@ -156,12 +195,19 @@ namespace
       test::check(found.n_followers == 3 && found.n_kept == 0 &&
                     found.farthest_root == 1 && found.largest_weight == 2.,
                   "a sliver: " + found.text());
-      test::check(roots.count({{4, 2}}) && roots.at({{4, 1}})[0] == 2u &&
-                    roots.at({{4, 1}})[1] == 1u &&
-                    roots.at({{4, 3}}) == Lattice<2>({{2, 2}}),
+      using Cells = std::vector<Lattice<2>>;
+      test::check(roots.count({{4, 2}}) &&
+                    roots.at({{4, 1}}) == Cells{{{2, 1}}} &&
+                    roots.at({{4, 3}}) == Cells{{{2, 2}}},
                   "a sliver follows the cells beside it");
-      test::check(roots.at({{4, 2}}) == Lattice<2>({{2, 1}}),
-                  "a tie goes to the first in the lattice");
+      test::check(roots.at({{4, 2}}) == Cells({{{2, 1}}, {{2, 2}}}),
+                  "roots that are equally near share");
+      for (const auto &follower : found.followers)
+        if (follower.roots.size() == 2)
+          test::check(follower.masters.size() == 2 &&
+                        follower.masters[0].weight == -1. &&
+                        follower.masters[1].weight == 2.,
+                      "both continue the same line");
     }
     {
       // half a cell at a side of the grid is as full as elsewhere
@@ -187,19 +233,36 @@ namespace
                   "a thin strip is not made rigid: " + found.text());
     }
     {
-      // bodies that share a column of nodes: the left one's sliver follows the
-      // left one, though the right one's root is as near
+      // bodies that share a column of nodes: roots of both are equally near,
+      // and share, whichever body has which mass, number or name
       Filling<2> gap({8, 4});
       gap.fill(Point(1, 1), Point(3.3, 3), 4, 0);
       gap.fill(Point(4.9, 1), Point(7, 3), 8, 1);
-      const auto roots = choices(aggregate(gap, 0.2), *gap.grid);
-      test::check(!roots.empty(), "nodes between two bodies starve");
-      for (const auto &[node, root] : roots)
-        test::check(root[0] == 2u || root[0] == 5u,
-                    "roots are full cells of the bodies");
-      test::check(roots.at({{4, 2}})[0] == 2u,
-                  "a node follows the body that feeds it most");
+      const auto found = aggregate(gap, 0.2);
+      const auto roots = choices(found, *gap.grid);
+      test::check(roots.at({{4, 2}}) ==
+                    std::vector<Lattice<2>>(
+                      {{{2, 1}}, {{2, 2}}, {{5, 1}}, {{5, 2}}}),
+                  "a node between two bodies follows both");
+      for (const auto &follower : found.followers)
+        if (follower.roots.size() == 4)
+          test::check(follower.masters.size() == 4 &&
+                        follower.masters[0].weight == -0.5 &&
+                        follower.masters[1].weight == 1.,
+                      "the mean of both lines");
     }
+    {
+      // an empty cell between them: they do not meet
+      Filling<2> apart({8, 4});
+      apart.fill(Point(1, 1), Point(3.3, 3), 4, 0);
+      apart.fill(Point(5, 1), Point(7, 3), 8, 0);
+      const auto roots = choices(aggregate(apart, 0.2), *apart.grid);
+      test::check(!roots.empty(), "nodes at the gap starve");
+      for (const auto &[node, of_node] : roots)
+        for (const Lattice<2> &root : of_node)
+          test::check(root[0] == 2u, "a node follows what its cells touch");
+    }
+    check_held_classes();
   }
 
   template <int dim>
@@ -210,8 +273,13 @@ namespace
     const auto search = [&](const test::Cloud<dim> &cloud) {
       const auto stencils =
         cloud.shape_functions->evaluate(cloud.particles, *cloud.grid);
-      const auto points = gather(stencils, cloud.layout);
-      return (*cloud.balance->aggregation())(stencils, points, *cloud.grid);
+      const auto points      = gather(stencils, cloud.layout);
+      const auto aggregation = cloud.balance->aggregation();
+      return aggregation->find(aggregation->classify(stencils,
+                                                     points,
+                                                     *cloud.grid),
+                               stencils,
+                               *cloud.grid);
     };
     const test::Cloud<dim> alone(options, MPI_COMM_SELF), cloud(options);
     const auto             expected = search(alone), found = search(cloud);

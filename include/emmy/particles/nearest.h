@@ -44,17 +44,21 @@ namespace emmy
     bool
     is_nearest(const unsigned int i, const dealii::Point<dim> &place) const;
 
+    /**
+     * Of each position: how many particles of all ranks are nearest to it, all
+     * of which count. Collective.
+     */
+    std::vector<unsigned int>
+    numbers(const dealii::Particles::ParticleHandler<dim> &particles) const;
+
     /** Of each position to the nearest particle, m; infinite without one. */
     const std::vector<double> &
     distances() const;
 
-    /** Lengths that differ less are equal, m. */
-    double
-    round_off() const;
-
   private:
     const Positions     positions;
-    const double        tolerance;
+    const double        tolerance; ///< lengths that differ less are equal, m
+    const MPI_Comm      communicator;
     std::vector<double> lengths;
   };
 } // namespace emmy

@@ -179,6 +179,7 @@ namespace emmy
     std::unique_ptr<LinearSolver> linear_solver;
     const GridStart<dim>         *start = nullptr;
     Vector                        velocity;
+    NodeClasses<dim>              classes_before; ///< of the last step
     /** Null unless asked for, and before the first step. */
     std::unique_ptr<StepDiagnosis<dim>> findings;
     /** Of all steps. */

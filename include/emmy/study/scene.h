@@ -82,7 +82,14 @@ namespace emmy
     void
     measure(StepReport &report);
 
+    /** A number that changes when a particle enters a cell. Collective. */
+    std::uint64_t
+    occupancy() const;
+
     const SceneParameters<dim> &parameters;
+    /** With linear functions, until particles have entered other cells. */
+    bool          watches_crossings  = false;
+    std::uint64_t occupancy_at_start = 0;
   };
 } // namespace emmy
 

@@ -42,8 +42,10 @@ namespace emmy
   class MethodParameters : public Section
   {
   public:
-    std::string shape_functions    = "linear";
+    std::string shape_functions    = "GIMP";
     std::string domain_update      = "stretch";
+    std::string starved_nodes      = "follow";
+    double      starved_threshold  = 0.; // 0: by the shape functions
     std::string mapping            = "FLIP";
     double      flip_fraction      = -1.; // -1: not given
     double      lumping            = 0.;
@@ -59,6 +61,14 @@ namespace emmy
     /** Whether the grid is undeformed in the middle of a step. */
     bool
     is_at_middle(const TimeParameters &time) const;
+
+    /**
+     * What lets starved nodes follow, whether or not <Starved nodes> asks for
+     * it. Throws ExcParameter.
+     */
+    template <int dim>
+    std::unique_ptr<const Aggregation<dim>>
+    make_aggregation(const FieldLayout &layout) const;
 
     /** Check what belongs to the mapping. Throws ExcParameter. */
     PointMapping
@@ -124,6 +134,14 @@ namespace emmy
     NameList                                                 measurement_names;
     std::vector<std::unique_ptr<MeasurementParameters<dim>>> measurements;
     OutputParameters                                         output;
+    /** Why starved nodes are free although the file does not say so; or empty.
+     */
+    std::string why_free;
+
+  private:
+    /** What <Starved nodes> is in a file that does not say so. */
+    void
+    choose_starved_nodes(const ParameterFile &file);
   };
 
   /** The dimension a file asks for: 2 or 3. Throws ExcParameter otherwise. */

@@ -2,45 +2,85 @@
 #define emmy_transfer_aggregation_h
 
 #include <emmy/particles/point_arrays.h>
-#include <emmy/particles/stencils.h>
+#include <emmy/transfer/roots.h>
 
-#include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace emmy
 {
   /**
-   * A starved node and its root, the cell whose bi- or trilinear polynomial it
-   * follows: u_A = sum N_B(x_A) u_B over the root's nodes B, also outside the
-   * cell.
+   * Which nodes are fed, and which are starved and follow others. Made once in
+   * a step, from the particles as the step finds them, and held for as long as
+   * the step lasts, however often stencils and roots are renewed: a node that
+   * has become active since is starved; one that no particle reaches any more
+   * stays fed, but only active cells can be roots.
+   */
+  template <int dim>
+  struct NodeClasses
+  {
+    using Lattice = typename BackgroundGrid<dim>::Lattice;
+
+    /** 1 for fed nodes, else 0, of all nodes that this rank knows. */
+    NodeValues fed;
+    /** Of all ranks: fed in name, as no cell around has more. */
+    std::uint64_t n_kept = 0;
+    /** The nodes that were active and this rank owns, and whether they are
+     * fed; sorted.
+     */
+    std::vector<std::pair<Lattice, bool>> active;
+  };
+
+  /**
+   * How many nodes that were active both times have changed from fed to
+   * starved or back. Collective.
+   * @param before of another step, perhaps on another partition; may be empty
+   */
+  template <int dim>
+  std::uint64_t
+  class_changes(const NodeClasses<dim>    &before,
+                const NodeClasses<dim>    &now,
+                const BackgroundGrid<dim> &grid);
+
+  /**
+   * A starved node and the nodes that it follows, its masters:
+   * u_A = sum w_B u_B, also outside the cells. The weights are those of the
+   * bi- or trilinear polynomial of its root, the mean of the polynomials if
+   * there are several.
    */
   template <int dim>
   struct Follower
   {
-    static constexpr unsigned int n_roots = BackgroundGrid<dim>::nodes_per_cell;
-    using Ids = std::array<dealii::types::global_dof_index, n_roots>;
+    using Lattice = typename BackgroundGrid<dim>::Lattice;
 
-    dealii::types::global_dof_index       node_id;
-    typename BackgroundGrid<dim>::Lattice root;
-    Ids root_ids; ///< its nodes, in deal.II's vertex order
+    /** A node of a root. */
+    struct Master
+    {
+      dealii::types::global_dof_index id;
+      Lattice place;       ///< this rank may not know the node
+      double  weight = 0.; ///< in a Follower not zero
+    };
+
+    dealii::types::global_dof_index node_id;
+    std::vector<Lattice>            roots;   ///< cells, sorted
+    std::vector<Master>             masters; ///< sorted by place
+    unsigned int distance = 0; ///< of node and roots, cells, largest component
+
     /**
-     * N_B(x_A). All are whole numbers, so that their sum is exactly one, and
-     * that of N_B x_B is x_A as exactly as positions are known.
+     * @param roots not empty. The weights of one are whole numbers, so that
+     *   their sum is exactly one, and that of w_B x_B is x_A as exactly as
+     *   positions are known; of several, to round-off.
      */
-    std::array<double, n_roots> weights;
-    unsigned int distance = 0; ///< of node and root, cells, largest component
+    Follower(const dealii::types::global_dof_index node_id,
+             const std::vector<Root<dim>>         &roots,
+             const BackgroundGrid<dim>            &grid);
 
     bool
     operator==(const Follower &other) const
     {
-      return node_id == other.node_id && root == other.root;
+      return node_id == other.node_id && roots == other.roots;
     }
-
-    /** The position of a node of the root, which this rank may not know, m. */
-    dealii::Point<dim>
-    root_position(const unsigned int         vertex,
-                  const BackgroundGrid<dim> &grid) const;
   };
 
   /** All followers, and numbers about them that are the same on all ranks. */
@@ -50,7 +90,9 @@ namespace emmy
     /** Those among the nodes that this rank knows. */
     std::vector<Follower<dim>> followers;
     std::uint64_t              n_followers = 0;
-    /** Starved nodes of roots that the bar was lowered for. */
+    /** Starved nodes that are free: NodeClasses::n_kept, and those of now that
+     * no root is near.
+     */
     std::uint64_t n_kept         = 0;
     unsigned int  farthest_root  = 0;  ///< the largest Follower::distance
     double        largest_weight = 0.; ///< in size
@@ -60,7 +102,7 @@ namespace emmy
     text() const;
   };
 
-  /** The name of the effect, in parameter files and the table of times. */
+  /** Its name in the card of a scene and in the table of times. */
   constexpr const char *aggregation_effect = "aggregation";
 
   /**
@@ -70,23 +112,23 @@ namespace emmy
    * A node is starved if its mass is below a fraction of what a full body
    * would give it: m_A < theta rho int N_A, with rho = m_p/V0_p the largest
    * density that reaches it; at a side of the grid the integral is half of
-   * prod h_i. A root is an active cell all of whose nodes are fed.
+   * prod h_i. A root is an active cell all of whose nodes are fed. A starved
+   * node follows the root whose centre is nearest to it; where several are
+   * equally near, the mean of them.
    *
-   * A cell that is no root takes, layer by layer, the nearest of the roots that
-   * its neighbours have (across faces, edges and corners; cells that the same
-   * body overlaps). Where no root is within two layers, as in a lone particle
-   * or a thin strip, theta is halved until a cell reaches it; that cell is a
-   * root then, and its nodes are free. So each starved node follows a root
-   * nearby, or is of the best cell around; a strip does not become the rigid
-   * continuation of a cell far away.
+   * Where no root is within two layers of active cells, as in a lone particle
+   * or a thin strip, theta is halved until a cell reaches it; the nodes of that
+   * cell count as fed. So each starved node follows a root nearby, or is of the
+   * best cell around; a strip does not become the rigid continuation of a cell
+   * far away.
    *
-   * A node takes the nearest root of its cells, of those of the body that gives
-   * it most mass. Ties go to the root that comes first in the lattice. So the
-   * choice does not depend on the partition or on round-off.
+   * Only masses, places and densities decide: neither the direction of the
+   * lattice nor the bodies that the mass is of, their order or their names,
+   * nor the partition, nor round-off.
    *
-   * Owned by the effect. Cost in a step: a pass over the values of the
-   * stencils, however many bodies there are, a sort of what groups of particles
-   * give their nodes, and one exchange between neighbours for each layer.
+   * Owned by the effects. Cost in a step: a pass over the values of the
+   * stencils; where nodes starve, a pass over the active cells and one exchange
+   * between neighbours for each layer.
    */
   template <int dim>
   class Aggregation
@@ -100,11 +142,20 @@ namespace emmy
                 const unsigned int mass_component,
                 const unsigned int volume_component);
 
-    /** Collective. */
+    /** Which nodes are fed. Once in a step. Collective. */
+    NodeClasses<dim>
+    classify(const Stencils<dim>       &stencils,
+             const PointArrays<dim>    &points,
+             const BackgroundGrid<dim> &grid) const;
+
+    /**
+     * The followers among the nodes that stencils reach, which may be newer
+     * than the classes, on the same partition. Collective.
+     */
     Aggregates<dim>
-    operator()(const Stencils<dim>       &stencils,
-               const PointArrays<dim>    &points,
-               const BackgroundGrid<dim> &grid) const;
+    find(const NodeClasses<dim>    &classes,
+         const Stencils<dim>       &stencils,
+         const BackgroundGrid<dim> &grid) const;
 
   private:
     const double       threshold;

@@ -95,6 +95,10 @@ namespace emmy
      * with Walls::inelastic that of the map without walls.
      */
     Vector mapped_velocity;
+    /** Which nodes are fed, as of the start of the step; empty without
+     * followers.
+     */
+    NodeClasses<dim> classes;
     /** Nodes that follow others; without the effect there is none. */
     Aggregates<dim> aggregates;
     /** Of ghost stabilisation, whose mass is part of M~; else empty. */
@@ -126,6 +130,13 @@ namespace emmy
                     const GhostFaces<dim>         *find_ghost_faces = nullptr,
                     const Aggregation<dim>        *aggregate        = nullptr,
                     Phases                        *phases           = nullptr);
+
+    /**
+     * Which nodes are fed and which follow others: once in a step, before the
+     * grid is renewed. Without followers this does nothing. Collective.
+     */
+    void
+    classify(const Stencils<dim> &stencils, const PointArrays<dim> &points);
 
     /**
      * Renew active nodes, mass and momentum. The velocity is left to the

@@ -3,7 +3,7 @@
 
 #include <deal.II/lac/la_parallel_vector.h>
 
-#include <emmy/transfer/active_cells.h>
+#include <emmy/particles/stencils.h>
 
 #include <array>
 #include <map>
@@ -13,11 +13,8 @@
  */
 namespace emmy
 {
-  /** A cell takes no root that is more layers of cells away. */
-  constexpr unsigned int farthest_layer = 2;
-
-  /** Numbers this close count as equal, whatever round-off says. */
-  constexpr double tie = 1e-8;
+  /** Numbers this close count as equal, whatever round-off says; relative. */
+  constexpr double tie = 1e-9;
 
   /** Whether a number is at least a bar, up to round-off. */
   inline bool
@@ -26,62 +23,74 @@ namespace emmy
     return number >= bar * (1. - tie);
   }
 
-  /** How the nodes of the grid are fed. */
-  struct Feeding
-  {
-    using Values = dealii::LinearAlgebra::distributed::Vector<double>;
+  /** A number for each node that a rank knows. */
+  using NodeValues = dealii::LinearAlgebra::distributed::Vector<double>;
 
-    /** Mass, as a part of a full body's, of all nodes known to this rank. */
-    Values part;
-    /** At owned nodes: 1 if a node does not follow, else 0. */
-    Values is_free;
-    /** Active nodes that this rank owns, as local indices. */
-    std::vector<unsigned int> active;
-    /** The body that gives an owned node most. */
-    std::vector<unsigned int> body;
-  };
-
-  /** The root that a cell has found. */
+  /** An active cell all of whose nodes are fed. */
   template <int dim>
   struct Root
   {
-    unsigned int                          layer; ///< 0: the cell itself
     typename BackgroundGrid<dim>::Lattice cell;
     std::array<dealii::types::global_dof_index,
                BackgroundGrid<dim>::nodes_per_cell>
-      ids; ///< of its nodes
+      ids; ///< of its nodes, in deal.II's vertex order
+
+    bool
+    operator<(const Root &other) const
+    {
+      return cell < other.cell;
+    }
+    bool
+    operator==(const Root &other) const
+    {
+      return cell == other.cell;
+    }
   };
 
+  /** By place of an active cell: the roots that it has found, sorted. */
   template <int dim>
-  using Roots = std::map<CellOfBody<dim>, Root<dim>>;
+  using Roots =
+    std::map<typename BackgroundGrid<dim>::Lattice, std::vector<Root<dim>>>;
 
   /**
-   * The roots of all active cells of this rank and beside it, as Aggregation
-   * tells. Nodes of roots below the threshold become free. Collective.
+   * The roots of the active cells of this rank and beside it. A root has found
+   * itself. Layer by layer, a cell that has none takes all those of the active
+   * cells around it, across faces, edges and corners: walks through active
+   * cells, so that what a gap parts does not meet. Bodies do not matter.
+   * Collective.
+   *
+   * @param is_fed   1 for fed nodes, else 0; ghosts are up to date
+   * @param n_layers a cell takes no root that is more layers away
    */
   template <int dim>
   Roots<dim>
   find_roots(const Stencils<dim>       &stencils,
-             const double               threshold,
+             const NodeValues          &is_fed,
              const BackgroundGrid<dim> &grid,
-             Feeding                   &nodes);
+             const unsigned int         n_layers);
 
   /**
-   * The preferred root of the cells in a box, seen by a body; null if they have
-   * none: that of the lowest layer, then the nearest, then the first in the
-   * lattice.
-   *
-   * @param first lower corner of the box, n cells wide
-   * @param place from which distances count, in half cells
+   * Of the roots of the cells around a node those whose centres are nearest to
+   * it, all that are equally near, sorted; empty if there is none.
    */
   template <int dim>
-  const Root<dim> *
-  preferred(const Roots<dim>           &roots,
-            const std::array<int, dim> &first,
-            const int                   n,
-            const unsigned int          body,
-            const std::array<int, dim> &place,
-            const BackgroundGrid<dim>  &grid);
+  std::vector<Root<dim>>
+  nearest_roots(const Roots<dim>                            &roots,
+                const typename BackgroundGrid<dim>::Lattice &node,
+                const BackgroundGrid<dim>                   &grid);
+
+  /**
+   * Tell each rank that knows a node the roots that the node's owner has
+   * chosen. Collective.
+   *
+   * @param chosen by id of an owned node
+   * @return the same, with those of nodes that others own
+   */
+  template <int dim>
+  std::map<dealii::types::global_dof_index, std::vector<Root<dim>>>
+  share_roots(
+    std::map<dealii::types::global_dof_index, std::vector<Root<dim>>> chosen,
+    const BackgroundGrid<dim>                                        &grid);
 } // namespace emmy
 
 #endif
