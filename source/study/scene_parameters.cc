@@ -125,7 +125,9 @@ namespace emmy
                   "start: at the particles' places at its start (Pretti et "
                   "al. 2023); under compression motion at the size of a cell "
                   "then grows, with all balances exact. middle: at their "
-                  "places in its middle, which Newton finds.",
+                  "places in its middle, which Newton finds; a file without "
+                  "this entry gets start with explicit steps and with linear "
+                  "functions.",
                   prm,
                   Selection("middle|start"));
     add_parameter("Geometry tolerance",
@@ -386,16 +388,14 @@ namespace emmy
       effects[entry.name] = entry.make(effect_section(entry.name));
 
     file.parse(dealii::ParameterAcceptor::prm);
-    choose_starved_nodes(file);
+    choose_method(file);
     dealii::ParameterAcceptor::parse_all_parameters();
   }
 
   template <int dim>
   void
-  SceneParameters<dim>::choose_starved_nodes(const ParameterFile &file)
+  SceneParameters<dim>::choose_method(const ParameterFile &file)
   {
-    if (!file.value("Method/Starved nodes", "").empty())
-      return;
     auto      &prm = dealii::ParameterAcceptor::prm;
     const auto get = [&prm](const char *section, const char *entry) {
       prm.enter_subsection(section);
@@ -403,18 +403,24 @@ namespace emmy
       prm.leave_subsection();
       return value;
     };
-    const std::string walls = get("Method", "Wall mapping");
-    if (get("Time", "Integrator") == "explicit")
+    // the parameters that a run writes say what it does
+    const auto choose = [&](const char *entry, const char *value) {
+      if (!file.value(std::string("Method/") + entry, "").empty())
+        return false;
+      prm.enter_subsection("Method");
+      prm.set(entry, value);
+      prm.leave_subsection();
+      return true;
+    };
+    const bool        is_explicit = get("Time", "Integrator") == "explicit";
+    const std::string walls       = get("Method", "Wall mapping");
+    if (is_explicit && choose("Starved nodes", "free"))
       why_free = "explicit steps have no equation that they could follow in";
-    else if (walls != "constrained")
+    else if (walls != "constrained" && choose("Starved nodes", "free"))
       why_free = "the map of Wall mapping = " + walls +
                  " would need followers of its own";
-    else
-      return;
-    // the parameters that a run writes say what it does
-    prm.enter_subsection("Method");
-    prm.set("Starved nodes", "free");
-    prm.leave_subsection();
+    if (is_explicit || get("Method", "Shape functions") == "linear")
+      choose("Geometry", "start");
   }
 
   template <int dim>

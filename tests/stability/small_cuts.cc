@@ -318,9 +318,10 @@ namespace emmy
         for (const Remedy &remedy : {small_ghosts, followers})
           {
             run.settings = remedy.settings;
-            // the first one is that which names the effect
-            run.settings[0].insert(run.settings[0].find('=') + 1,
-                                   other_effects);
+            // where the first one names the effect, the scene's stay
+            if (run.settings[0].find("Effects/Names=") == 0)
+              run.settings[0].insert(run.settings[0].find('=') + 1,
+                                     other_effects);
             const auto result = suite.run<2>(file + remedy.name, run);
             check_stable(suite, remedy, result, 4, most_lost);
             suite.at_most("times halved, or damped",

@@ -51,7 +51,7 @@ namespace emmy
     double      lumping            = 0.;
     std::string stress_rule        = "conserving";
     std::string wall_mapping       = "constrained";
-    std::string geometry           = "start";
+    std::string geometry           = "middle";
     double      geometry_tolerance = 1e-8; // cells
 
     /** @param shape_function_names the values of <Shape functions> */
@@ -139,9 +139,9 @@ namespace emmy
     std::string why_free;
 
   private:
-    /** What <Starved nodes> is in a file that does not say so. */
+    /** <Starved nodes> and <Geometry> in a file that does not name them. */
     void
-    choose_starved_nodes(const ParameterFile &file);
+    choose_method(const ParameterFile &file);
   };
 
   /** The dimension a file asks for: 2 or 3. Throws ExcParameter otherwise. */
