@@ -5,6 +5,7 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <emmy/base/text.h>
 #include <emmy/study/scene_parameters.h>
 
 #include <functional>
@@ -267,6 +268,39 @@ namespace
     run.check_balance(run.first("kinetic_energy"));
   }
 
+  void
+  hanging_bar()
+  {
+    const Run  run("hanging-bar");
+    const auto y    = run.column("tip_y");
+    double     drop = 0.;
+    for (const double place : y)
+      drop = std::max(drop, y.front() - place);
+    is("largest drop of the tip, m", drop, 0.191, 0.002);
+    run.check_balance(largest(run.column("load_work")));
+  }
+
+  void
+  sudden_column()
+  {
+    const Run  run("sudden-column");
+    const auto y = run.column("top_y"), times = run.column("time");
+    for (const auto &[time, right] : {std::make_pair(2., 1.671),
+                                      std::make_pair(8., 2.001),
+                                      std::make_pair(12., 1.152),
+                                      std::make_pair(15.9, 0.159)})
+      {
+        const auto row =
+          std::lower_bound(times.begin(), times.end(), time - 1e-9) -
+          times.begin();
+        is("settlement of the top at " + shortest(time) + " s, m",
+           y.front() - y[row],
+           right,
+           0.02 * right);
+      }
+    run.check_balance(largest(run.column("load_work")));
+  }
+
   const std::map<std::string, std::function<void()>> cases = {
     {"flight-over-cell-edges", flight_over_cell_edges},
     {"free-fall", free_fall},
@@ -277,7 +311,9 @@ namespace
     {"fold", fold},
     {"shifted-box", shifted_box},
     {"slope", slope},
-    {"disc-into-water", disc_into_water}};
+    {"disc-into-water", disc_into_water},
+    {"hanging-bar", hanging_bar},
+    {"sudden-column", sudden_column}};
 } // namespace
 
 int

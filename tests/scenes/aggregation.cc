@@ -127,6 +127,49 @@ namespace
         compare<3>(balls, 15, std::string("two balls, ") + shape_functions);
       }
   }
+
+  /** A block that fills its box of rollers and shakes in it. */
+  std::string
+  shaken_text(const std::string &method)
+  {
+    return "set Dimension = 2\nsubsection Grid\nset Lower corner = 0, 0\n"
+           "set Upper corner = 4, 3\nset Cells = 8, 6\nend\n"
+           "subsection Materials\nset Names = m\nsubsection m\n"
+           "set Model = Hencky\nset Density = 5\nset Young's modulus = 100\n"
+           "set Poisson's ratio = 0.3\nend\nend\n"
+           "subsection Bodies\nset Names = b\nsubsection b\n"
+           "set Shape = box\nset Material = m\n"
+           "set Points per direction = 2\n"
+           "set Initial velocity = 0.5*sin(pi*x/4); 0.3*sin(pi*y/3)\n"
+           "subsection box\nset Lower corner = 0, 0\n"
+           "set Upper corner = 4, 3\nend\nend\nend\n"
+           "subsection Boundary conditions\n"
+           "set Roller = x-min, x-max, y-min, y-max\nend\n"
+           "subsection Time\nset Step rule = fixed\nset Step size = 0.05\n"
+           "set End time = 10\nend\nsubsection Method\n" +
+           method + "end\n";
+  }
+
+  /** Where no node is starved, following costs no digit. */
+  void
+  check_none_starved(const std::string &method)
+  {
+    const auto parameters = [&method](const char *nodes) {
+      return SceneParameters<2>(ParameterFile::from_text(
+        shaken_text(method + "set Starved nodes = " + nodes + "\n"), nodes));
+    };
+    const auto            follow = parameters("follow");
+    test::RunningScene<2> following(follow);
+    following.advance(20);
+    const auto            free = parameters("free");
+    test::RunningScene<2> without(free);
+    without.advance(20);
+    test::check(test::largest(following.column("followers")) == 0.,
+                "no node is starved, " + method);
+    for (const std::string &column : without.ledger.columns())
+      test::check(following.column(column) == without.column(column),
+                  "follow and free are the same, " + column + ", " + method);
+  }
 } // namespace
 
 int
@@ -141,5 +184,8 @@ main(int argc, char *argv[])
     }
   else
     check_ranks(folder);
+  check_none_starved("set Shape functions = linear\n");
+  check_none_starved("set Geometry = start\n");
+  check_none_starved("");
   return test::report();
 }
