@@ -163,31 +163,34 @@ namespace
             particle.get_properties()[run.scene.layout[name] + d] = v[d];
       }
     sort_into_cells<3>(run.scene.grid, run.scene.particles);
-    run.ledger = Ledger(run.scene.initial_report(), 3);
     run.advance(100);
-    std::cout << "block in space, 100 steps\n";
+    // row 0 is from before the particles were moved
+    const auto row = [&](const std::string &column, const std::size_t i) {
+      return run.column(column)[i];
+    };
+    std::cout << "block in space, 99 steps\n";
     double size = 0.; // of sum m r v
     for (const char *name : {"x", "y", "z"})
-      size = std::max(
-        size,
-        std::abs(run.column(std::string("angular_momentum_") + name).front()));
+      size =
+        std::max(size,
+                 std::abs(row(std::string("angular_momentum_") + name, 1)));
     for (const char *name : {"x", "y", "z"})
       {
-        const auto J = run.column(std::string("angular_momentum_") + name);
-        test::at_most(std::string("  change of angular momentum ") + name,
-                      std::abs(J.back() - J.front()) / size,
+        const std::string J = std::string("angular_momentum_") + name;
+        test::at_most("  change of " + J,
+                      std::abs(row(J, 100) - row(J, 1)) / size,
                       1e-10);
       }
     test::at_most("  balance error / energy",
                   test::largest(run.column("balance_error")) /
-                    run.column("kinetic_energy").front(),
+                    row("kinetic_energy", 1),
                   1e-12);
     test::at_most("  iterations a step", iterations(run), 3.3);
   }
 
   // ------------------------------------------------------------------------
 
-  /** Two turns of a stiff disc; points keep their distance from the centre. */
+  /** Two turns of a stiff disc; points keep their distance from its centre. */
   void
   check_turning(const double degrees, const double most_iterations)
   {
@@ -203,21 +206,25 @@ namespace
            "set Shape = ball\nsubsection ball\nset Center = 4.1, 3.9\n"
            "set Radius = 2\nend\n") +
       steps(dt);
-    const SceneParameters<2>       parameters(file(text, {}));
-    test::RunningScene<2>          run(parameters);
-    std::map<unsigned int, double> start;
-    const Point<2>                 centre(4.1, 3.9);
-    for (const auto &particle : run.scene.particles)
-      start[particle.get_id()] = particle.get_location().distance(centre);
-    double farthest = 0.;
+    const SceneParameters<2> parameters(file(text, {}));
+    test::RunningScene<2>    run(parameters);
+    const auto               distances = [&run] {
+      Point<2> centre; // of mass, which drifts
+      for (const auto &particle : run.scene.particles)
+        centre +=
+          particle.get_location() / run.scene.particles.n_global_particles();
+      std::map<unsigned int, double> result;
+      for (const auto &particle : run.scene.particles)
+        result[particle.get_id()] = particle.get_location().distance(centre);
+      return result;
+    };
+    const auto start    = distances();
+    double     farthest = 0.;
     for (unsigned int i = 0; i < n; ++i)
       {
         run.advance(1);
-        for (const auto &particle : run.scene.particles)
-          farthest =
-            std::max(farthest,
-                     std::abs(particle.get_location().distance(centre) -
-                              start[particle.get_id()]));
+        for (const auto &[id, distance] : distances())
+          farthest = std::max(farthest, std::abs(distance - start.at(id)));
       }
     std::cout << degrees << " degrees a step, two turns\n";
     test::at_most("  points leave their circles by, cells",
@@ -279,7 +286,7 @@ namespace
           };
           const double b = F * F - 1., tau = 2. * (lambda + mu) * e;
           set("left_cauchy_green_less_unit", {b, b, 0., 0.});
-          set("kirchhoff_stress", {tau, tau, 2. * lambda * e, 0.});
+          set("kirchhoff_stress", {tau, tau, 0., 2. * lambda * e});
           set("strain_energy_density", {2. * (lambda + mu) * e * e});
           set("half_length", {0.25 * F, 0.25 * F});
           set("deformation_gradient", {F, 0., 0., F});
@@ -293,7 +300,6 @@ namespace
             dealii::ArrayView<const double>(values.data(), values.size()));
         }
     particles.update_cached_numbers();
-    run.ledger = Ledger(run.scene.initial_report(), 2);
     run.advance(400);
     const auto K    = run.column("kinetic_energy");
     const auto mean = [&](const unsigned int from) {
@@ -375,12 +381,13 @@ main(int argc, char *argv[])
   check_disc("plastic disc",
              {"Materials/m/Model=von Mises",
               "Materials/m/Yield stress=5",
+              "Materials/m/Yield measure=deviatoric",
               "Materials/m/Hardening modulus=0"},
              {{5, 70.93174491, 4.519434016, 3.066789824}});
   check_block_in_space();
   check_turning(3., 3.4);
   check_turning(10., 4.1);
-  check_turning(30., 5.4);
+  check_turning(30., 6.5);
   check_growth();
   check_order();
   return test::report();
