@@ -57,10 +57,10 @@ namespace emmy
    * - or the share is above 1/4;
    * - or the overfill is above 1/2.
    *
-   * The bounds are between what healthy scenes have (GIMP: an overfill of at
-   * most 0.008 where energy is stored, or a share of at most 1e-3 beside it)
-   * and what columns have whose settlement is 1 % wrong. All ranks call it with
-   * the same numbers. Owned by the integrator. Cost: none.
+   * The bounds lie between what healthy scenes with GIMP have, an overfill of
+   * at most 0.008 where energy is stored, and what columns have whose
+   * settlement is 1 to 2 % wrong. All ranks call it with the same numbers.
+   * Owned by the integrator. Cost: none.
    */
   class Detector
   {
