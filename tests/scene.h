@@ -17,8 +17,9 @@ namespace emmy
     template <int dim>
     struct RunningScene
     {
-      Scene<dim> scene;
-      Ledger     ledger;
+      Scene<dim>               scene;
+      Ledger                   ledger;
+      std::vector<std::string> notes; ///< for the screen, of all steps
 
       RunningScene(const SceneParameters<dim> &parameters,
                    const MPI_Comm              communicator = MPI_COMM_WORLD)
@@ -30,7 +31,11 @@ namespace emmy
       advance(const unsigned int n_steps)
       {
         for (unsigned int i = 0; i < n_steps; ++i)
-          ledger.add(scene.advance());
+          {
+            const StepReport report = scene.advance();
+            ledger.add(report);
+            notes.insert(notes.end(), report.notes.begin(), report.notes.end());
+          }
       }
 
       void
@@ -63,6 +68,17 @@ namespace emmy
       for (const auto &particle : scene.particles)
         mass += particle.get_properties()[scene.layout["mass"]];
       return dealii::Utilities::MPI::sum(mass, MPI_COMM_WORLD);
+    }
+
+    /** How many of some notes are the detector's. */
+    inline unsigned int
+    n_warnings(const std::vector<std::string> &notes)
+    {
+      unsigned int n = 0;
+      for (const std::string &note : notes)
+        n += note.find("Results can be wrong while all balances hold") !=
+             std::string::npos;
+      return n;
     }
 
     /** The largest magnitude; NaN if there is one. */

@@ -37,6 +37,10 @@ namespace emmy
       Vector change = velocity_new;
       change -= start.mapped_velocity;
       Vector misfit = misfit_of(start.mapped_velocity);
+      // v.M~ v / 2 - v.p, with M~ v = p - misfit
+      result.hidden_kinetic_energy =
+        -0.5 * (start.mapped_velocity * start.momentum +
+                start.mapped_velocity * misfit);
       switch (mapping.walls)
         {
           case PointMapping::Walls::constrained:
@@ -148,7 +152,7 @@ namespace emmy
     const unsigned int    velocity = layout["velocity"];
     const double          alpha    = mapping.flip_fraction;
 
-    double lumping = 0., pic = 0.;
+    double lumping = 0., pic = 0., hidden = 0.;
     for (const auto &group : step.stencils.groups)
       for (unsigned int q = 0; q < group.n_points; ++q)
         {
@@ -172,6 +176,7 @@ namespace emmy
                 }
             }
           lumping += mass[p] * (mean_square - change.norm_square());
+          hidden += 0.5 * mass[p] * d.norm_square();
           pic += mass[p] * (w * d + 0.5 * (1. + alpha) * d.norm_square());
         }
     const MPI_Comm communicator = start.active->communicator();
@@ -179,6 +184,8 @@ namespace emmy
                           dealii::Utilities::MPI::sum(lumping, communicator);
     result.mapping_loss =
       (1. - alpha) * dealii::Utilities::MPI::sum(pic, communicator);
+    result.hidden_kinetic_energy =
+      dealii::Utilities::MPI::sum(hidden, communicator);
   }
 
   template <int dim>
@@ -188,12 +195,15 @@ namespace emmy
            const FieldLayout       &layout,
            const PointMapping      &mapping,
            const Vector            &displacement,
-           const Vector            &velocity_new)
+           const Vector            &velocity_new,
+           const double             kinetic_energy)
   {
     StepAccounts result;
     add_works(
       step.start, equation, mapping, displacement, velocity_new, result);
-    if (mapping.lumping > 0. || mapping.flip_fraction < 1.)
+    result.hidden_kinetic_energy += kinetic_energy;
+    const bool has_losses = mapping.lumping > 0. || mapping.flip_fraction < 1.;
+    if (has_losses)
       {
         // one pass for both; where both are there, PIC pays
         const auto timed =
@@ -217,6 +227,12 @@ namespace emmy
           0.5 * dealii::Utilities::MPI::sum(
                   step.start.ghost_product(change, &GhostFace<dim>::mass),
                   step.start.active->communicator());
+        if (!has_losses) // M~ has the ghost mass, which no particle carries
+          result.hidden_kinetic_energy -=
+            0.5 * dealii::Utilities::MPI::sum(
+                    step.start.ghost_product(step.start.mapped_velocity,
+                                             &GhostFace<dim>::mass),
+                    step.start.active->communicator());
       }
     return result;
   }
@@ -237,12 +253,14 @@ namespace emmy
               const FieldLayout &,
               const PointMapping &,
               const Vector &,
-              const Vector &);
+              const Vector &,
+              const double);
   template StepAccounts
   accounts<3>(const StepData<3> &,
               const StepEquation<3> &,
               const FieldLayout &,
               const PointMapping &,
               const Vector &,
-              const Vector &);
+              const Vector &,
+              const double);
 } // namespace emmy

@@ -37,6 +37,10 @@ namespace emmy
     , particles(particles)
     , phases(phases)
     , domains(method.domain_update, grid, layout, phases)
+    , detector({layout.has("half_length"),
+                /*middle=*/true,
+                /*followers=*/true,
+                method.mapping.flip_fraction < 1.})
   {}
 
   template <int dim>
@@ -275,14 +279,12 @@ namespace emmy
   ExplicitStepper<dim>::report(const StepData<dim>    &step,
                                const Motion           &motion,
                                const PointArrays<dim> &trial,
-                               StepReport             &result) const
+                               StepReport             &result)
   {
     result.step      = step_number + 1;
     result.time_step = step.time_step;
     result.time      = time + step.time_step;
     result.totals    = measure(trial, layout, grid.communicator());
-    result.measures =
-      method.balance.measures(trial, result.time, grid.communicator(), &phases);
     result.kinetic_energy_change =
       result.totals.kinetic_energy - kinetic_energy;
 
@@ -316,6 +318,14 @@ namespace emmy
                        books);
     for (const EnergyEntry &entry : account_entries(books, sums[2]))
       result.energies.push_back(entry);
+    detector.look(
+      books.hidden_kinetic_energy,
+      overfill(step.stencils, step.points, trial, layout, *start.active, grid),
+      where(),
+      result);
+    for (StepMeasure &measure : method.balance.measures(
+           trial, result.time, grid.communicator(), &phases))
+      result.measures.push_back(std::move(measure));
     result.active_cells =
       dealii::Utilities::MPI::sum(static_cast<std::uint64_t>(
                                     start.active->cells().size()),
@@ -353,8 +363,11 @@ namespace emmy
         method, limits, layout, stencils, points, *start.active, time)
         .time_step;
     result.totals = measure(points, layout, grid.communicator());
-    result.measures =
-      method.balance.measures(points, time, grid.communicator(), &phases);
+    detector.begin(
+      overfill(stencils, points, points, layout, *start.active, grid), result);
+    for (StepMeasure &measure :
+         method.balance.measures(points, time, grid.communicator(), &phases))
+      result.measures.push_back(std::move(measure));
     kinetic_energy  = result.totals.kinetic_energy;
     result.energies = force.energy_entries();
     for (const EnergyEntry &entry : method.balance.energy_entries())

@@ -31,6 +31,11 @@ namespace emmy
                         method.balance.aggregation(),
                         &phases)
     , domains(method.domain_update, grid, layout, phases)
+    , detector({layout.has("half_length"),
+                method.middle != nullptr,
+                method.balance.aggregation() != nullptr ||
+                  method.mapping.walls != PointMapping::Walls::constrained,
+                method.mapping.flip_fraction < 1.})
   {}
 
   template <int dim>
@@ -60,9 +65,9 @@ namespace emmy
                  solution.newton.residual_history.size());
     velocity       = std::move(solution.velocity);
     classes_before = start->classes;
-    wall_travel = solution.wall_travel;
-    time        = result.time;
-    step_number = result.step;
+    wall_travel    = solution.wall_travel;
+    time           = result.time;
+    step_number    = result.step;
     return result;
   }
 
@@ -387,15 +392,18 @@ namespace emmy
   }
 
   template <int dim>
-  std::vector<StepMeasure>
-  Stepper<dim>::measures(const PointArrays<dim> &points,
-                         const double            time) const
+  void
+  Stepper<dim>::add_measures(const PointArrays<dim>   &points,
+                             const double              time,
+                             std::vector<StepMeasure> &measures) const
   {
-    std::vector<StepMeasure> result;
     if (method.diagnosis.small_cuts)
-      result = {{"mass_condition", findings ? findings->mass.condition : 0.},
-                {"jacobian_condition",
-                 findings ? findings->jacobian.condition : 0.}};
+      {
+        measures.push_back(
+          {"mass_condition", findings ? findings->mass.condition : 0.});
+        measures.push_back(
+          {"jacobian_condition", findings ? findings->jacobian.condition : 0.});
+      }
     if (method.balance.aggregation())
       {
         const Aggregates<dim> &found = start->aggregates;
@@ -404,16 +412,14 @@ namespace emmy
               std::make_pair("free_starved", double(found.n_kept)),
               std::make_pair("farthest_root", double(found.farthest_root)),
               std::make_pair("largest_weight", found.largest_weight),
-              std::make_pair("class_changes",
-                              double(class_changes(classes_before,
-                                                   start->classes,
-                                                   grid)))})
-          result.push_back({name, value});
+              std::make_pair(
+                "class_changes",
+                double(class_changes(classes_before, start->classes, grid)))})
+          measures.push_back({name, value});
       }
     for (StepMeasure &measure :
          method.balance.measures(points, time, grid.communicator(), &phases))
-      result.push_back(std::move(measure));
-    return result;
+      measures.push_back(std::move(measure));
   }
 
   template <int dim>
@@ -539,7 +545,9 @@ namespace emmy
     result.energies = method.balance.energy_entries();
     for (const EnergyEntry &entry : account_entries(StepAccounts()))
       result.energies.push_back(entry);
-    result.measures = measures(points, time);
+    detector.begin(
+      overfill(stencils, points, points, layout, *start->active, grid), result);
+    add_measures(points, time, result.measures);
     if (method.middle)
       add_geometry_measures(Solution(), result.measures);
     result.active_cells =
@@ -552,7 +560,7 @@ namespace emmy
 
   template <int dim>
   StepReport
-  Stepper<dim>::report(const Solution &solution) const
+  Stepper<dim>::report(const Solution &solution)
   {
     const auto &[stencils, points]    = solution.ground();
     const StepEquation<dim> &equation = solution.equation();
@@ -561,9 +569,10 @@ namespace emmy
     result.time_step = solution.time_step;
     result.time      = time + solution.time_step;
     result.totals    = measure(equation.trial(), layout, grid.communicator());
-    result.kinetic_energy_change =
-      result.totals.kinetic_energy -
+    const double kinetic_energy =
       measure(points, layout, grid.communicator()).kinetic_energy;
+    result.kinetic_energy_change =
+      result.totals.kinetic_energy - kinetic_energy;
     result.kinetic_energy_grid_old =
       0.5 * start->mass.matrix_norm_square(start->velocity);
     result.kinetic_energy_grid_new =
@@ -576,7 +585,8 @@ namespace emmy
       layout,
       method.mapping,
       solution.displacement,
-      solution.velocity);
+      solution.velocity,
+      kinetic_energy);
     for (const EnergyEntry &entry : account_entries(books))
       result.energies.push_back(entry);
     result.residual_work     = books.residual_work;
@@ -588,11 +598,17 @@ namespace emmy
                                   grid.communicator());
     result.active_dofs = start->active->n_dofs();
     result.is_damped   = solution.newton.is_damped;
-    result.measures    = measures(equation.trial(), result.time);
+    result.notes       = solution.notes;
+    detector.look(
+      books.hidden_kinetic_energy,
+      overfill(
+        stencils, points, equation.trial(), layout, *start->active, grid),
+      where(),
+      result);
+    add_measures(equation.trial(), result.time, result.measures);
     if (method.middle)
       add_geometry_measures(solution, result.measures);
     result.halvings = solution.halvings;
-    result.notes    = solution.notes;
     result.findings = solution.findings;
     return result;
   }

@@ -2,6 +2,8 @@
 
 #include <emmy/transfer/particles_to_grid.h>
 
+#include <algorithm>
+
 namespace emmy
 {
   namespace
@@ -24,6 +26,47 @@ namespace emmy
             points.component(c)[p] = properties[c];
         }
       return points;
+    }
+
+    using Dofs = std::vector<dealii::types::global_dof_index>;
+
+    /**
+     * Add a matrix of nodes to that of unknowns, for each component.
+     * @param dofs first unknown of each node
+     */
+    template <int dim>
+    void
+    add_components(const dealii::FullMatrix<double> &nodal,
+                   Dofs                              dofs,
+                   Matrix                           &matrix)
+    {
+      for (unsigned int c = 0; c < dim; ++c)
+        {
+          matrix.add(dofs, nodal);
+          for (auto &dof : dofs)
+            ++dof;
+        }
+    }
+
+    /** The same, with constraints; components can be constrained apart. */
+    template <int dim>
+    void
+    add_components(const dealii::FullMatrix<double>        &nodal,
+                   Dofs                                     dofs,
+                   const dealii::AffineConstraints<double> &constraints,
+                   Matrix                                  &matrix)
+    {
+      for (unsigned int c = 0; c < dim; ++c)
+        {
+          if (std::any_of(dofs.begin(), dofs.end(), [&](const auto dof) {
+                return constraints.is_constrained(dof);
+              }))
+            constraints.distribute_local_to_global(nodal, dofs, matrix);
+          else
+            matrix.add(dofs, nodal);
+          for (auto &dof : dofs)
+            ++dof;
+        }
     }
   } // namespace
 
@@ -149,15 +192,16 @@ namespace emmy
     if (without_walls)
       start.damped_mass_without_walls = 0.;
 
-    dealii::FullMatrix<double>                   cell_mass;
+    // one matrix for all components, which do not meet
+    dealii::FullMatrix<double>                   group_mass;
     std::vector<double>                          row_sums;
     std::vector<dealii::types::global_dof_index> dofs;
     for (const auto &group : stencils.groups)
       {
         const unsigned int n = group.n_nodes;
-        cell_mass.reinit(dim * n, dim * n);
-        dofs.resize(dim * n);
-        row_sums.resize(dim * n);
+        group_mass.reinit(n, n, true);
+        dofs.resize(n);
+        row_sums.assign(n, 0.);
         for (unsigned int a = 0; a < n; ++a)
           {
             const double *S_a = stencils.value(group, a);
@@ -167,42 +211,42 @@ namespace emmy
                 double        sum = 0.;
                 for (unsigned int p = 0; p < group.n_points; ++p)
                   sum += mass[group.first_point + p] * S_a[p] * S_b[p];
-                for (unsigned int c = 0; c < dim; ++c)
-                  cell_mass(dim * a + c, dim * b + c) =
-                    cell_mass(dim * b + c, dim * a + c) = sum;
+                group_mass(a, b) = group_mass(b, a) = sum;
               }
-            for (unsigned int c = 0; c < dim; ++c)
-              dofs[dim * a + c] = active.first_dof(active.nodes(group)[a]) + c;
+            dofs[a] = active.first_dof(active.nodes(group)[a]);
           }
 
-        // the row sums of the cell's matrix are its lumped mass
-        double group_mass = 0.;
-        for (unsigned int i = 0; i < dim * n; ++i)
+        // the row sums of the group's matrix are its lumped mass
+        double total = 0.;
+        for (unsigned int a = 0; a < n; ++a)
           {
-            row_sums[i] = 0.;
-            for (unsigned int j = i % dim; j < dim * n; j += dim)
-              row_sums[i] += cell_mass(i, j);
-            group_mass += row_sums[i] / dim;
+            for (unsigned int b = 0; b < n; ++b)
+              row_sums[a] += group_mass(a, b);
+            total += row_sums[a];
           }
         if (epsilon > 0.)
           {
             const auto timed = effect_scope(phases, lumping_effect);
-            cell_mass *= 1. - epsilon;
-            for (unsigned int i = 0; i < dim * n; ++i)
-              cell_mass(i, i) += epsilon * row_sums[i];
+            group_mass *= 1. - epsilon;
+            for (unsigned int a = 0; a < n; ++a)
+              group_mass(a, a) += epsilon * row_sums[a];
           }
-        start.mass.add(dofs, cell_mass);
+        add_components<dim>(group_mass, dofs, start.mass);
 
         // the second part is for nodes with S = 0 at all points; it must be
         // far below any S^2 that is not zero
-        for (unsigned int i = 0; i < dim * n; ++i)
-          cell_mass(i, i) += mass_damping * row_sums[i] + 1e-30 * group_mass;
-        active.constraints().affine().distribute_local_to_global(
-          cell_mass, dofs, start.damped_mass);
+        for (unsigned int a = 0; a < n; ++a)
+          group_mass(a, a) += mass_damping * row_sums[a] + 1e-30 * total;
+        add_components<dim>(group_mass,
+                            dofs,
+                            active.constraints().affine(),
+                            start.damped_mass);
         if (without_walls)
           {
             const auto timed = walls_scope();
-            start.damped_mass_without_walls.add(dofs, cell_mass);
+            add_components<dim>(group_mass,
+                                dofs,
+                                start.damped_mass_without_walls);
           }
       }
     if (find_ghost_faces)
@@ -223,27 +267,27 @@ namespace emmy
   void
   ParticlesToGrid<dim>::add_ghost_mass()
   {
-    constexpr unsigned int                       n = GhostFace<dim>::n_nodes;
-    const ActiveGrid<dim>                       &active = *start.active;
-    dealii::FullMatrix<double>                   mass(dim * n, dim * n);
-    std::vector<dealii::types::global_dof_index> dofs(dim * n);
+    constexpr unsigned int     n      = GhostFace<dim>::n_nodes;
+    const ActiveGrid<dim>     &active = *start.active;
+    dealii::FullMatrix<double> mass(n, n);
+    Dofs                       dofs(n);
     for (unsigned int f = 0; f < start.ghost_faces.size(); ++f)
       {
         const GhostFace<dim> &face = start.ghost_faces[f];
-        mass                       = 0.;
         for (unsigned int a = 0; a < n; ++a)
-          for (unsigned int c = 0; c < dim; ++c)
-            {
-              dofs[dim * a + c] = active.first_dof(active.face_nodes(f)[a]) + c;
-              for (unsigned int b = 0; b < n; ++b)
-                mass(dim * a + c, dim * b + c) =
-                  face.mass * start.ghost_matrices[face.direction](a, b);
-            }
-        start.mass.add(dofs, mass);
-        active.constraints().affine().distribute_local_to_global(
-          mass, dofs, start.damped_mass);
+          {
+            dofs[a] = active.first_dof(active.face_nodes(f)[a]);
+            for (unsigned int b = 0; b < n; ++b)
+              mass(a, b) =
+                face.mass * start.ghost_matrices[face.direction](a, b);
+          }
+        add_components<dim>(mass, dofs, start.mass);
+        add_components<dim>(mass,
+                            dofs,
+                            active.constraints().affine(),
+                            start.damped_mass);
         if (mapping.walls != PointMapping::Walls::constrained)
-          start.damped_mass_without_walls.add(dofs, mass);
+          add_components<dim>(mass, dofs, start.damped_mass_without_walls);
       }
   }
 

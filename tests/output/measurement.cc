@@ -197,7 +197,7 @@ namespace
       return std::make_pair(running.ledger.columns(), running.ledger.rows());
     };
     const auto absent = run(""), present = run(path_and_extents<2>());
-    check(absent.first.back() == "particles", "absent: no column");
+    check(absent.first.back() == "overfill", "absent: no column");
     check(present.first.size() == absent.first.size() + 3 * 2 + 2 * 4,
           "present: its columns");
     bool is_same = absent.second.size() == present.second.size();

@@ -106,7 +106,7 @@ done
 check 'results: no pictures unless wanted' [ ! -e $here/pictures ]
 before_stress=step,time,time_step,kinetic_energy,kinetic_energy_grid_old,kinetic_energy_grid_new
 after_works=residual_work,balance_error
-counts=newton_iterations,linear_iterations,active_cells,active_dofs,particles
+counts=newton_iterations,linear_iterations,active_cells,active_dofs,particles,hidden_kinetic_energy,hidden_share,overfill
 # header FOLDER: the names of the ledger's columns
 header()
 {

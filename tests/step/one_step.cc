@@ -170,7 +170,13 @@ namespace emmy
                               trial)
                     .empty(),
                   what + ": no particle leaves the grid");
-      books = accounts(step, *equation, cloud.layout, mapping, u, v_new);
+      books = accounts(step,
+                       *equation,
+                       cloud.layout,
+                       mapping,
+                       u,
+                       v_new,
+                       motion(points, cloud.layout).energy);
     }
 
     template <int dim>
@@ -218,6 +224,8 @@ namespace emmy
       for (const auto &entry : equation->energies(u))
         if (entry.name == "plastic_dissipation")
           test::check(entry.change > 0., what + ": it flows");
+      vanishes(books.hidden_kinetic_energy - unresolved(),
+               "what the accounts say the grid cannot see");
       if (mapping.flip_fraction == 0.)
         vanishes(K_new - 0.5 * M.matrix_norm_square(v_new),
                  "PIC: particles have the energy v.M v/2 of the grid");

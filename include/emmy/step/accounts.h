@@ -42,6 +42,11 @@ namespace emmy
      * grid's velocity.
      */
     double wall_loss = 0.;
+    /**
+     * Enters no balance: what the particles carry and the grid does not see at
+     * the start of the step, sum m_p |v_p - sum S v_mapped|^2 / 2.
+     */
+    double hidden_kinetic_energy = 0.;
   };
 
   /** The names of causes in the table of times. */
@@ -62,8 +67,8 @@ namespace emmy
                   const bool          has_ghost_faces);
 
   /**
-   * Add lumping_loss and mapping_loss of a step, summed over the ranks.
-   * Collective.
+   * Add lumping_loss, mapping_loss and hidden_kinetic_energy of a step, summed
+   * over the ranks. Collective.
    *
    * @param velocity_mapped,velocity_new at the local nodes, [dim * node + c],
    *   m/s
@@ -77,7 +82,10 @@ namespace emmy
                      const std::vector<double> &velocity_new,
                      StepAccounts              &result);
 
-  /** The accounts of a solved step, summed over the ranks. Collective. */
+  /**
+   * The accounts of a solved step, summed over the ranks. Collective.
+   * @param kinetic_energy of the particles at the start of the step, J
+   */
   template <int dim>
   StepAccounts
   accounts(const StepData<dim>     &step,
@@ -85,7 +93,8 @@ namespace emmy
            const FieldLayout       &layout,
            const PointMapping      &mapping,
            const Vector            &displacement,
-           const Vector            &velocity_new);
+           const Vector            &velocity_new,
+           const double             kinetic_energy);
 } // namespace emmy
 
 #endif

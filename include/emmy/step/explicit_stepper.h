@@ -3,6 +3,7 @@
 
 #include <emmy/assembly/explicit_force.h>
 #include <emmy/step/accounts.h>
+#include <emmy/step/detector.h>
 #include <emmy/step/domains_of_step.h>
 #include <emmy/step/step_size.h>
 #include <emmy/transfer/lumped_grid.h>
@@ -110,7 +111,7 @@ namespace emmy
     report(const StepData<dim>    &step,
            const Motion           &motion,
            const PointArrays<dim> &trial,
-           StepReport             &result) const;
+           StepReport             &result);
     std::vector<EnergyEntry>
     account_entries(const StepAccounts &accounts, const double loss) const;
     std::string
@@ -126,6 +127,7 @@ namespace emmy
     Phases                                  &phases;
 
     DomainsOfStep<dim> domains;
+    Detector           detector;
     GridStart<dim>     start; ///< without matrices
     LumpedGrid<dim>    lumped;
     Vector             velocity;

@@ -3,6 +3,7 @@
 
 #include <emmy/solve/newton.h>
 #include <emmy/step/accounts.h>
+#include <emmy/step/detector.h>
 #include <emmy/step/domains_of_step.h>
 #include <emmy/step/middle_equation.h>
 #include <emmy/step/step_size.h>
@@ -113,8 +114,10 @@ namespace emmy
      * What examine() found, zero before the first step; of followers; and what
      * probes find at points whose states are those at @p time. Collective.
      */
-    std::vector<StepMeasure>
-    measures(const PointArrays<dim> &points, const double time) const;
+    void
+    add_measures(const PointArrays<dim>   &points,
+                 const double              time,
+                 std::vector<StepMeasure> &measures) const;
     /** Whether the matrices are small enough to look for a small cut. */
     bool
     can_diagnose() const;
@@ -153,8 +156,9 @@ namespace emmy
     /** Trial states of an accepted solution: domains, and the next middle. */
     void
     follow(Solution &solution);
+    /** What was done, and what the detector finds in it. Collective. */
     StepReport
-    report(const Solution &solution) const;
+    report(const Solution &solution);
     /** What is left of the particles' angular momentum, and of the places. */
     void
     add_geometry_measures(const Solution           &solution,
@@ -176,6 +180,7 @@ namespace emmy
 
     ParticlesToGrid<dim>          particles_to_grid;
     DomainsOfStep<dim>            domains;
+    Detector                      detector;
     std::unique_ptr<LinearSolver> linear_solver;
     const GridStart<dim>         *start = nullptr;
     Vector                        velocity;
