@@ -267,6 +267,32 @@ namespace
     run.check_balance(run.first("kinetic_energy"));
   }
 
+  void
+  block_on_faces()
+  {
+    for (const std::string starved : {"follow", "free"})
+      for (const std::string geometry : {"start", "middle"})
+        for (const std::string update : {"none", "detF", "stretch", "corners"})
+          {
+            const Run run("block-on-faces",
+                          {"Method/Starved nodes=" + starved,
+                           "Method/Geometry=" + geometry,
+                           "Method/Domain update=" + update});
+            at_most("  times halved", run.halvings, 0);
+            at_most("  iterations in any step", run.most_iterations, 12);
+            is("linear_momentum_y at 1 s, kg m/s",
+               run["linear_momentum_y"],
+               -4000.,
+               1e-8);
+            is("linear_momentum_x, kg m/s", run["linear_momentum_x"], 0., 1e-8);
+            is("way of a particle at the centre, m",
+               run["c_y"] - run.first("c_y"),
+               -1.,
+               0.01);
+            run.check_balance(4000.);
+          }
+  }
+
   const std::map<std::string, std::function<void()>> cases = {
     {"flight-over-cell-edges", flight_over_cell_edges},
     {"free-fall", free_fall},
@@ -277,7 +303,8 @@ namespace
     {"fold", fold},
     {"shifted-box", shifted_box},
     {"slope", slope},
-    {"disc-into-water", disc_into_water}};
+    {"disc-into-water", disc_into_water},
+    {"block-on-faces", block_on_faces}};
 } // namespace
 
 int
