@@ -25,15 +25,20 @@ namespace emmy
                const double       l,
                const double       h,
                const unsigned int n_cells,
-               Weight            *weights)
+               Weight            *weights,
+               const bool         beyond_lower,
+               const bool         beyond_upper)
   {
     for (unsigned int i = 0; i <= n_cells; ++i)
       weights[i] = {0., 0.};
     double share_left = 1.;
     for (unsigned int cell = 0; cell < n_cells; ++cell)
       {
-        const double low    = std::max(x - l, cell * h),
-                     high   = std::min(x + l, (cell + 1) * h);
+        const double low =
+          cell == 0 && beyond_lower ? x - l : std::max(x - l, cell * h);
+        const double high   = cell + 1 == n_cells && beyond_upper
+                                ? x + l
+                                : std::min(x + l, (cell + 1) * h);
         const double center = n_cells == 1 ? x : 0.5 * (low + high);
         const double share =
           cell + 1 == n_cells
@@ -89,13 +94,57 @@ namespace emmy
     return used;
   }
 
+  Overlap
+  overlap_along(const double       below,
+                const double       l,
+                const double       h,
+                const unsigned int n_cells)
+  {
+    const double n_last = n_cells - 1;
+    const double first  = std::floor((below - l) / h);
+    const double last   = l == 0. ? first : std::ceil((below + l) / h) - 1.;
+    Overlap      result;
+    result.first        = std::min(n_last, std::max(0., first));
+    result.last         = std::min(n_last, std::max(first, last));
+    result.beyond_lower = result.beyond_upper = false;
+    result.tails                              = 1.;
+    // of the node behind the part of the box in an outermost cell
+    const auto share = [&](const double part) {
+      return part > 0. ? part * part / (4. * l * h) : 0.;
+    };
+    if (result.last > result.first)
+      {
+        const double lower = share((result.first + 1) * h - (below - l));
+        if (lower < least_share)
+          {
+            ++result.first;
+            result.beyond_lower = true;
+          }
+        else
+          result.tails = lower;
+      }
+    if (result.last > result.first)
+      {
+        const double upper = share(below + l - result.last * h);
+        if (upper < least_share)
+          {
+            --result.last;
+            result.beyond_upper = true;
+          }
+        else
+          result.tails = std::min(result.tails, upper);
+      }
+    return result;
+  }
+
   template <int dim>
   void
   GimpShapeFunctions<dim>::set_overlap(const Places<dim>         &places,
                                        const BackgroundGrid<dim> &grid,
                                        Entry                     &entry)
   {
-    const dealii::Point<dim> &x = places.positions[entry.index];
+    const dealii::Point<dim> &x     = places.positions[entry.index];
+    double                    least = 1.; // of the shares of corners
     for (unsigned int d = 0; d < dim; ++d)
       {
         const double h = grid.cell_size()[d];
@@ -106,13 +155,17 @@ namespace emmy
         const double l =
           used_half_length(places.half_lengths[entry.index][d], h, below, above)
             .value;
-        const double n_last = grid.n_cells()[d] - 1;
-        const double first  = std::floor((below - l) / h);
-        const double last   = l == 0. ? first : std::ceil((below + l) / h) - 1.;
-        entry.first[d]      = std::min(n_last, std::max(0., first));
-        entry.last[d]       = std::min(n_last, std::max(first, last));
+        const Overlap overlap = overlap_along(below, l, h, grid.n_cells()[d]);
+        entry.first[d]        = overlap.first;
+        entry.last[d]         = overlap.last;
+        entry.beyond_lower[d] = overlap.beyond_lower;
+        entry.beyond_upper[d] = overlap.beyond_upper;
+        least *= overlap.tails;
         entry.half_length[d] = l;
       }
+    // the exact share decides, but is seldom wanted
+    entry.left_out =
+      least < 2. * least_share ? nodes_left_out(places, grid, entry) : 0;
   }
 
   template <int dim>
@@ -153,20 +206,6 @@ namespace emmy
 
   namespace
   {
-    /** A node's place in a box of nodes, x fastest. */
-    template <int dim>
-    std::array<unsigned int, dim>
-    place(unsigned int node, const std::array<unsigned int, dim> &n_nodes)
-    {
-      std::array<unsigned int, dim> index;
-      for (unsigned int d = 0; d < dim; ++d)
-        {
-          index[d] = node % n_nodes[d];
-          node /= n_nodes[d];
-        }
-      return index;
-    }
-
     /** Nodes per direction of a box of cells. */
     template <int dim>
     std::array<unsigned int, dim>
@@ -181,6 +220,66 @@ namespace emmy
   } // namespace
 
   template <int dim>
+  std::array<std::array<Weight, 4>, dim>
+  GimpShapeFunctions<dim>::weights_along(const Entry               &entry,
+                                         const Places<dim>         &places,
+                                         const BackgroundGrid<dim> &grid,
+                                         const dealii::Point<dim>  &origin)
+  {
+    std::array<std::array<Weight, 4>, dim> weights{};
+    for (unsigned int d = 0; d < dim; ++d)
+      gimp_weights(places.positions[entry.index][d] - origin[d],
+                   entry.half_length[d],
+                   grid.cell_size()[d],
+                   entry.last[d] - entry.first[d] + 1,
+                   weights[d].data(),
+                   entry.beyond_lower[d],
+                   entry.beyond_upper[d]);
+    return weights;
+  }
+
+  namespace
+  {
+    /** Weights as factors whose change with the place is not asked for. */
+    template <int dim>
+    Factors<dim>
+    as_factors(const std::array<std::array<Weight, 4>, dim> &weights)
+    {
+      Factors<dim> factors;
+      for (unsigned int d = 0; d < dim; ++d)
+        for (unsigned int j = 0; j < 4; ++j)
+          factors[d][j] = {
+            weights[d][j].value, weights[d][j].slope, 0., 0., 0., 0.};
+      return factors;
+    }
+
+    template <int dim>
+    Tails<dim>
+    tails_of(const Factors<dim>                  &factors,
+             const std::array<unsigned int, dim> &n_along,
+             const BackgroundGrid<dim>           &grid)
+    {
+      std::array<double, dim> h;
+      for (unsigned int d = 0; d < dim; ++d)
+        h[d] = grid.cell_size()[d];
+      return Tails<dim>(factors, n_along, h);
+    }
+  } // namespace
+
+  template <int dim>
+  std::uint64_t
+  GimpShapeFunctions<dim>::nodes_left_out(const Places<dim>         &places,
+                                          const BackgroundGrid<dim> &grid,
+                                          const Entry               &entry)
+  {
+    return tails_of<dim>(as_factors<dim>(weights_along(
+                           entry, places, grid, grid.corner(entry.first))),
+                         nodes_of<dim>(entry.first, entry.last),
+                         grid)
+      .left_out();
+  }
+
+  template <int dim>
   void
   GimpShapeFunctions<dim>::add_nodes(const Entry               &entry,
                                      const BackgroundGrid<dim> &grid,
@@ -191,29 +290,52 @@ namespace emmy
     const auto n_nodes = nodes_of<dim>(entry.first, entry.last);
     group.n_along      = n_nodes;
     group.origin       = grid.corner(entry.first);
+    group.left_out     = entry.left_out;
     group.first_node   = stencils.node_ids.size();
-    group.n_nodes      = 1;
-    for (const unsigned int n : n_nodes)
-      group.n_nodes *= n;
-    for (unsigned int a = 0; a < group.n_nodes; ++a)
-      {
-        // a cell that has the node, and which of its vertices that is
-        const auto   index = place<dim>(a, n_nodes);
-        Lattice      lattice;
-        unsigned int vertex = 0;
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            lattice[d] = std::min(entry.first[d] + index[d], entry.last[d]);
-            vertex |= (entry.first[d] + index[d] - lattice[d]) << d;
-          }
-        const Cell cell = grid.cell_at(lattice);
-        Assert(cell != grid.triangulation().end(),
-               dealii::ExcMessage("A domain reaches beyond the ghost layer."));
-        if (vertex == 0)
-          overlapped.push_back(cell);
-        stencils.node_ids.push_back(grid.node_ids(cell)[vertex]);
-      }
+    for_each_node<dim>(group, [&](const unsigned int, const auto &index) {
+      // a cell that has the node, and which of its vertices that is
+      Lattice      lattice;
+      unsigned int vertex = 0;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          lattice[d] = std::min(entry.first[d] + index[d], entry.last[d]);
+          vertex |= (entry.first[d] + index[d] - lattice[d]) << d;
+        }
+      const Cell cell = grid.cell_at(lattice);
+      Assert(cell != grid.triangulation().end(),
+             dealii::ExcMessage("A domain reaches beyond the ghost layer."));
+      stencils.node_ids.push_back(grid.node_ids(cell)[vertex]);
+    });
+    group.n_nodes = stencils.node_ids.size() - group.first_node;
+    for_each_cell_of<dim>(group, [&](const auto &index) {
+      Lattice lattice = entry.first;
+      for (unsigned int d = 0; d < dim; ++d)
+        lattice[d] += index[d];
+      overlapped.push_back(grid.cell_at(lattice));
+    });
   }
+
+  namespace
+  {
+    /** Value and gradient of a node's weight, from those by direction. */
+    template <int dim, class Direction>
+    std::pair<double, std::array<double, dim>>
+    node_weight(const std::array<Direction, dim>    &along,
+                const std::array<unsigned int, dim> &index)
+    {
+      std::pair<double, std::array<double, dim>> result;
+      result.first = 1.;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          result.first *= along[d][index[d]].value;
+          result.second[d] = along[d][index[d]].slope;
+          for (unsigned int e = 0; e < dim; ++e)
+            if (e != d)
+              result.second[d] *= along[e][index[e]].value;
+        }
+      return result;
+    }
+  } // namespace
 
   template <int dim>
   void
@@ -223,38 +345,35 @@ namespace emmy
                                        const Group               &group,
                                        Stencils<dim> &stencils) const
   {
-    const auto &n_nodes = group.n_along;
     stencils.values.resize(group.first_value +
                            std::size_t(group.n_nodes) * group.n_points);
     stencils.gradients.resize(dim * stencils.values.size());
-    std::array<std::array<Weight, 4>, dim> weights;
     for (unsigned int q = 0; q < group.n_points; ++q)
       {
-        const Entry              &entry = first[q];
-        const dealii::Point<dim> &x     = places.positions[entry.index];
-        for (unsigned int d = 0; d < dim; ++d)
-          gimp_weights(x[d] - group.origin[d],
-                       entry.half_length[d],
-                       grid.cell_size()[d],
-                       n_nodes[d] - 1,
-                       weights[d].data());
-        for (unsigned int a = 0; a < group.n_nodes; ++a)
+        const auto weights =
+          weights_along(first[q], places, grid, group.origin);
+        std::vector<Factors<dim>> too_little;
+        if (group.left_out != 0)
           {
-            const auto index = place<dim>(a, n_nodes);
-            double     value = 1.;
-            for (unsigned int d = 0; d < dim; ++d)
-              value *= weights[d][index[d]].value;
-            stencils.values[group.first_value + a * group.n_points + q] = value;
-            for (unsigned int d = 0; d < dim; ++d)
-              {
-                double slope = weights[d][index[d]].slope;
-                for (unsigned int e = 0; e < dim; ++e)
-                  if (e != d)
-                    slope *= weights[e][index[e]].value;
-                stencils.gradients[dim * group.first_value +
-                                   (a * dim + d) * group.n_points + q] = slope;
-              }
+            const auto factors = as_factors<dim>(weights);
+            too_little =
+              tails_of<dim>(factors, group.n_along, grid).products(factors);
           }
+        for_each_node<dim>(group, [&](const unsigned int a, const auto &index) {
+          auto S = node_weight<dim>(weights, index);
+          for (const Factors<dim> &product : too_little)
+            {
+              const auto part = node_weight<dim>(product, index);
+              S.first -= part.first;
+              for (unsigned int d = 0; d < dim; ++d)
+                S.second[d] -= part.second[d];
+            }
+          stencils.values[group.first_value + a * group.n_points + q] = S.first;
+          for (unsigned int d = 0; d < dim; ++d)
+            stencils.gradients[dim * group.first_value +
+                               (a * dim + d) * group.n_points + q] =
+              S.second[d];
+        });
       }
   }
 
@@ -267,7 +386,7 @@ namespace emmy
     const BackgroundGrid<dim>           &grid,
     PlaceDerivatives<dim>               &result) const
   {
-    Factors<dim>              factors;
+    Factors<dim>              factors{};
     std::array<Weight, 4>     weights;
     const dealii::Point<dim> &x = places.positions[i];
     for (unsigned int d = 0; d < dim; ++d)
@@ -278,8 +397,16 @@ namespace emmy
                      above       = std::max(0., grid.upper_corner()[d] - x[d]);
         const UsedLength l =
           used_half_length(places.half_lengths[i][d], h, below, above);
-        const double from_first = x[d] - group.origin[d];
-        gimp_weights(from_first, l.value, h, n, weights.data());
+        const double  from_first = x[d] - group.origin[d];
+        const Overlap overlap =
+          overlap_along(below, l.value, h, grid.n_cells()[d]);
+        gimp_weights(from_first,
+                     l.value,
+                     h,
+                     n,
+                     weights.data(),
+                     overlap.beyond_lower,
+                     overlap.beyond_upper);
         // both ends of the box: hats and their slopes, by node
         const double a = (from_first - l.value) / h,
                      b = (from_first + l.value) / h - (n - 1);
@@ -315,6 +442,8 @@ namespace emmy
           }
       }
     result.combine(factors, group.n_along);
+    if (group.left_out != 0)
+      tails_of<dim>(factors, group.n_along, grid).take_away(factors, result);
   }
 
   template <int dim>

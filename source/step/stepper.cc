@@ -240,15 +240,29 @@ namespace emmy
     if (!solution.newton.is_converged)
       return;
     if (solution.in_middle->has_given_up())
-      solution.notes.push_back(
-        where() + ": the particles' places in the middle of the step do not "
-                  "settle and were held; see angular_momentum_left");
+      tell_of_held_places(solution);
     timed("velocity from momentum", [&] {
       velocity_from_momentum(solution.ground().stencils,
                              solution.ground().points,
                              middle);
     });
     solution.equation().set_velocity_at_start();
+  }
+
+  template <int dim>
+  void
+  Stepper<dim>::tell_of_held_places(Solution &solution)
+  {
+    const std::string text =
+      where() +
+      ": the particles' places in the middle of the step do not "
+      "settle and were held, " +
+      brief(solution.in_middle->largest_defect()) +
+      " cells from it; the ledger's angular_momentum_left has what that costs";
+    solution.findings.push_back(text);
+    if (!has_held_places)
+      solution.notes.push_back(text + ". Later ones: run.log");
+    has_held_places = true;
   }
 
   template <int dim>

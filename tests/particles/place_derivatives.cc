@@ -1,7 +1,7 @@
 // How the weights of a particle change with its place, position and
 // half-lengths of its box, against centred differences: linear functions and
-// GIMP, boxes within a cell, across faces, clipped at the edge of the grid and
-// longer than two cells.
+// GIMP, boxes within a cell, across faces, clipped at the edge of the grid,
+// longer than two cells, and with corners that weigh nothing.
 
 #include <emmy/particles/gimp.h>
 
@@ -122,6 +122,24 @@ namespace
                                      ? 0.1 + unit(generator)
                                      : 0.05 + 0.4 * unit(generator));
         compare<dim>(gimp, grid, places, "GIMP");
+        // corners that are left out, as they reach 1e-5 of a cell
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double h            = grid.cell_size()[d];
+            places.half_lengths[0][d] = (sample % 2 ? 0.25 : 0.7) * h;
+            const double from_face    = places.half_lengths[0][d] - 1e-5 * h;
+            const bool   is_lower     = (sample >> d) & 2;
+            places.positions[0][d] =
+              grid.corner(middle)[d] + (is_lower ? from_face : h - from_face);
+          }
+        places.cells[0]       = grid.lattice(places.positions[0]);
+        const auto   stencils = gimp.evaluate(places, grid);
+        const auto  &group    = stencils.groups[0];
+        unsigned int n_in_box = 1;
+        for (const unsigned int n : group.n_along)
+          n_in_box *= n;
+        test::check(group.n_nodes < n_in_box, "a corner is left out");
+        compare<dim>(gimp, grid, places, "GIMP, corners left out");
       }
   }
 } // namespace

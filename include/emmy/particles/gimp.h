@@ -3,6 +3,7 @@
 
 #include <emmy/particles/field_layout.h>
 #include <emmy/particles/stencils.h>
+#include <emmy/particles/tails.h>
 
 #include <tuple>
 
@@ -29,13 +30,17 @@ namespace emmy
    * @param h       cell size, m
    * @param n_cells how many cells the domain overlaps
    * @param weights gets those of the n_cells + 1 nodes
+   * @param beyond_lower,beyond_upper whether the domain goes a hair beyond
+   *   these cells; the hats of the outermost ones are continued there
    */
   void
   gimp_weights(const double       x,
                const double       l,
                const double       h,
                const unsigned int n_cells,
-               Weight            *weights);
+               Weight            *weights,
+               const bool         beyond_lower = false,
+               const bool         beyond_upper = false);
 
   /**
    * Generalised interpolation (GIMP): a particle is a box of half-lengths l,
@@ -46,6 +51,11 @@ namespace emmy
    * (formulation of Pretti et al. 2023, sec. 3; Charlton et al. 2017). Boxes
    * of more than two cells act as if cut at that size: they would reach beyond
    * the neighbours of their cell.
+   *
+   * A box reaches a node if it gives it a share of at least 1e-12. In a cell in
+   * which it would give less to the nodes behind, in value and slope alike, the
+   * functions of the cell before are continued; at edges and corners of boxes
+   * see Tails. All sums stay exact.
    *
    * Particles that overlap the same cells and are of one body share a group.
    * Cost per step: a sort of the particles, and up to 3^dim weights each while
@@ -89,12 +99,16 @@ namespace emmy
       Lattice      first, last; ///< cells
       /** Half-lengths as used, m: shrunk by round-off and clipped. */
       dealii::Tensor<1, dim> half_length;
+      /** Whether the box goes a hair beyond these cells. */
+      std::array<bool, dim> beyond_lower, beyond_upper;
+      /** Nodes of these cells that it does not reach: bits. */
+      std::uint64_t left_out = 0;
 
       /** Entries of one group have the same. */
       auto
       key() const
       {
-        return std::tie(first, last, body);
+        return std::tie(first, last, body, left_out);
       }
     };
 
@@ -108,6 +122,12 @@ namespace emmy
                 const BackgroundGrid<dim> &grid,
                 Entry                     &entry);
 
+    /** Which nodes of the overlapped cells the particle does not reach. */
+    static std::uint64_t
+    nodes_left_out(const Places<dim>         &places,
+                   const BackgroundGrid<dim> &grid,
+                   const Entry               &entry);
+
     /** The nodes of the cells of a group, x fastest; and those cells. */
     void
     add_nodes(const Entry               &entry,
@@ -115,6 +135,13 @@ namespace emmy
               Group                     &group,
               Stencils<dim>             &stencils,
               std::vector<Cell>         &overlapped) const;
+
+    /** The weights of a particle by direction, from the origin of its cells. */
+    static std::array<std::array<Weight, 4>, dim>
+    weights_along(const Entry               &entry,
+                  const Places<dim>         &places,
+                  const BackgroundGrid<dim> &grid,
+                  const dealii::Point<dim>  &origin);
 
     /** S and grad S of the particles of a group, @p first and following. */
     void
@@ -126,6 +153,26 @@ namespace emmy
 
     const unsigned int body_component, half_length_component;
   };
+
+  /** Cells of a row that a box overlaps, counted from the grid's lower side. */
+  struct Overlap
+  {
+    unsigned int first, last;
+    bool         beyond_lower, beyond_upper; ///< a hair further
+    double       tails; ///< least share of an outermost node, about; or 1
+  };
+
+  /**
+   * @param below   from the grid's lower side to the particle, m
+   * @param l       half-length as used, m
+   * @param h       cell size, m
+   * @param n_cells of the row
+   */
+  Overlap
+  overlap_along(const double       below,
+                const double       l,
+                const double       h,
+                const unsigned int n_cells);
 
   /** The half-length of a box in one direction as it is used. */
   struct UsedLength

@@ -11,6 +11,7 @@
 #include <emmy/particles/place_derivatives.h>
 #include <emmy/particles/places.h>
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -37,10 +38,12 @@ namespace emmy
       std::size_t  first_node; ///< in node_ids
       unsigned int n_nodes;
       std::size_t  first_value; ///< in values; dim times it in gradients
-      /** Nodes per direction; those of a box, x fastest. */
+      /** Nodes per direction of a box of cells; x fastest. */
       std::array<unsigned int, dim> n_along;
       /** The first node, m. */
       dealii::Point<dim> origin;
+      /** Bits: nodes of that box that the points do not reach, see Tails. */
+      std::uint64_t left_out = 0;
     };
 
     std::vector<Group> groups;
@@ -117,6 +120,52 @@ namespace emmy
       return L * invert(from_start);
     }
   };
+
+  /**
+   * Call function(a, index) for the nodes a of a group, with their places in
+   * its box of nodes.
+   */
+  template <int dim, class Function>
+  void
+  for_each_node(const typename Stencils<dim>::Group &group,
+                const Function                      &function)
+  {
+    std::array<unsigned int, dim> index{};
+    for (unsigned int in_box = 0, a = 0, d = 0; d < dim; ++in_box)
+      {
+        if (!(group.left_out >> in_box & 1))
+          function(a++, index);
+        for (d = 0; d < dim && ++index[d] == group.n_along[d]; ++d)
+          index[d] = 0;
+      }
+  }
+
+  /**
+   * Call function(index) for the cells of a group, with their places in its
+   * box of cells: those of which it has all nodes.
+   */
+  template <int dim, class Function>
+  void
+  for_each_cell_of(const typename Stencils<dim>::Group &group,
+                   const Function                      &function)
+  {
+    std::array<unsigned int, dim> index{};
+    for (unsigned int d = 0; d < dim;)
+      {
+        bool has_all = true;
+        for (unsigned int v = 0; v < (1u << dim); ++v)
+          {
+            unsigned int in_box = 0;
+            for (unsigned int e = dim; e-- > 0;)
+              in_box = in_box * group.n_along[e] + index[e] + ((v >> e) & 1);
+            has_all = has_all && !(group.left_out >> in_box & 1);
+          }
+        if (has_all)
+          function(index);
+        for (d = 0; d < dim && ++index[d] + 1 == group.n_along[d]; ++d)
+          index[d] = 0;
+      }
+  }
 
   /** How points and nodes are connected: linear functions or GIMP. */
   template <int dim>

@@ -144,6 +144,9 @@ namespace emmy
     /** A short line for the screen, and a long one for the log. */
     void
     tell(Solution &solution, const std::string &what, const std::string &why);
+    /** That places did not settle: once on the screen, always in the log. */
+    void
+    tell_of_held_places(Solution &solution);
     /** What helps most often where Newton struggles; if it is not used yet. */
     std::string
     remedy() const;
@@ -190,7 +193,8 @@ namespace emmy
     /** Of all steps. */
     std::uint64_t most_free_starved  = 0;
     double        largest_weight     = 0.;
-    bool          has_limited_travel = false, has_struggled = false;
+    bool          has_limited_travel = false, has_struggled = false,
+         has_held_places = false;
     /** How far walls have moved, m. */
     typename BoundaryConditions<dim>::Sides wall_travel{};
     unsigned int                            step_number = 0;
