@@ -118,10 +118,12 @@ namespace emmy
         for (unsigned int i = 0; i < drift.size(); ++i)
           drift[i] += lost[i] + dissipated[i] - brought[i];
 
-        result.energy         = test::largest(kept);
-        const double energy   = result.energy > 0. ? result.energy : 1.;
-        result.times          = column(ledger, "time");
-        result.followers      = column(ledger, "followers");
+        result.energy       = test::largest(kept);
+        const double energy = result.energy > 0. ? result.energy : 1.;
+        result.times        = column(ledger, "time");
+        result.followers    = column(ledger, "followers");
+        for (const std::string &name : ledger.columns())
+          result.ledger[name] = column(ledger, name);
         result.kinetic        = column(ledger, "kinetic_energy");
         result.strain         = column(ledger, "strain_energy");
         result.balance_errors = column(ledger, "balance_error");

@@ -4,6 +4,7 @@
 #include <emmy/study/scene.h>
 
 #include <functional>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,6 +38,8 @@ namespace emmy
       std::vector<double> positions;
       /** Balance error of each step, relative to energy. */
       std::vector<double> balance_errors;
+      /** The columns of the ledger. */
+      std::map<std::string, std::vector<double>> ledger;
     };
 
     /** A file, what is set in it, and what is done to the scene before it runs.
@@ -129,6 +132,12 @@ namespace emmy
       at_most(const std::string &what, const double value, const double bound);
       void
       at_least(const std::string &what, const double value, const double bound);
+      /** The same of a number that has a right value. */
+      void
+      is(const std::string &what,
+         const double       value,
+         const double       right,
+         const double       tolerance);
 
       /** A curve in a panel of the pictures. */
       void
@@ -184,9 +193,13 @@ namespace emmy
     remedies();
     std::vector<Case>
     hard_motions();
+    /** Scenes of prm/field against their right values. */
+    std::vector<Case>
+    field_cases();
 
     // what all use
-    const std::string gimp = "Method/Shape functions=GIMP";
+    const std::string gimp     = "Method/Shape functions=GIMP";
+    const std::string at_start = "Method/Geometry=start";
 
     /** These settings and those. */
     inline std::vector<std::string>
