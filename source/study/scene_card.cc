@@ -74,6 +74,7 @@ namespace emmy
         add(stress_rule_card(parameters.method.stress_rule));
         add(explicit_card(is_explicit));
         add_shape_functions();
+        add(middle_card<dim>(scene.middle != nullptr));
         add_aggregation();
         for (const auto &entry : effect_library<dim>().list())
           {

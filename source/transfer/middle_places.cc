@@ -5,18 +5,51 @@ namespace emmy
 {
   using dealii::Tensor;
 
+  namespace
+  {
+    Field
+    velocity_field()
+    {
+      return {"grid_velocity",
+              Field::Kind::vector,
+              "m/s",
+              "velocity of the grid at the particle at the end of the step; "
+              "the next one looks for its middle there"};
+    }
+
+    Field
+    velocity_gradient_field()
+    {
+      return {"grid_velocity_gradient",
+              Field::Kind::tensor,
+              "1/s",
+              "gradient of that velocity"};
+    }
+  } // namespace
+
+  template <int dim>
+  EffectCard
+  middle_card(const bool is_present)
+  {
+    EffectCard card;
+    card.name    = middle_effect;
+    card.setting = "Method/Geometry = middle";
+    card.enters  = "all of a step: Newton looks for its places too, and each "
+                   "iteration has stencils and a mass of its own";
+    card.fields  = {velocity_field(), velocity_gradient_field()};
+    for (const char *axis : {"x", "y", "z"})
+      if (dim == 3 || *axis == 'z')
+        card.ledger_columns.push_back(std::string("angular_momentum_left_") +
+                                      axis);
+    card.ledger_columns.push_back("place_defect");
+    card.is_present = is_present;
+    return card;
+  }
+
   template <int dim>
   MiddlePlaces<dim>::MiddlePlaces(FieldLayout &layout)
-    : grid_velocity(layout.add(
-        {"grid_velocity",
-         Field::Kind::vector,
-         "m/s",
-         "velocity of the grid at the particle at the end of the step; the "
-         "next one looks for its middle there"}))
-    , grid_velocity_gradient(layout.add({"grid_velocity_gradient",
-                                         Field::Kind::tensor,
-                                         "1/s",
-                                         "gradient of that velocity"}))
+    : grid_velocity(layout.add(velocity_field()))
+    , grid_velocity_gradient(layout.add(velocity_gradient_field()))
   {}
 
   template <int dim>
@@ -104,6 +137,10 @@ namespace emmy
         }
   }
 
+  template EffectCard
+  middle_card<2>(const bool);
+  template EffectCard
+  middle_card<3>(const bool);
   template class MiddlePlaces<2>;
   template class MiddlePlaces<3>;
 } // namespace emmy

@@ -263,6 +263,7 @@ main(int argc, char *argv[])
   ParameterFile square =
     ParameterFile::from_text(box<2>(spin, path_and_extents<2>()), "test");
   square.set(gimp);
+  square.set("Method/Starved nodes=follow");
   test::compare_ranks<2>(square,
                          16,
                          "spinning square, GIMP",

@@ -114,7 +114,7 @@ check 'base: ghost faces couple all but opposite corners' \
 emmy_run --check base.prm
 check 'base: absent effects have no numbers unless asked for' has_lines 0 out '^  absent +bytes'
 check 'base: absent effects are named' \
-  says out 'absent von Mises, stress rule, explicit steps, GIMP, domain update, aggregation, gravity, point load, ghost stabilisation, manufactured solution, lumping, PIC, inelastic walls, unconstrained walls, moving walls, diagnosis'
+  says out 'absent von Mises, stress rule, explicit steps, GIMP, domain update, middle geometry, aggregation, gravity, point load, ghost stabilisation, manufactured solution, lumping, PIC, inelastic walls, unconstrained walls, moving walls, diagnosis'
 
 # agrees NAME CARD_NAME ARGUMENTS...: with the arguments the scene has the
 # effect; its card agrees with the run, and with what the scene without it says
@@ -175,7 +175,8 @@ check 'explicit: present' [ "$(of run.card 'present explicit steps' 5)" = veloci
 check 'explicit: lumped' [ "$(of run.card 'present lumping' 5)" = lumping_loss ]
 check 'explicit: no matrix' [ "$(of run.card 'present all' 3)" -eq 0 ]
 agrees 'diagnosis' diagnosis base.prm --set 'Diagnosis/Small cuts=true'
-agrees 'GIMP' GIMP base.prm --set 'Method/Shape functions=GIMP'
+agrees 'middle' 'middle geometry' base.prm --set 'Method/Geometry=middle'
+agrees 'GIMP' GIMP base.prm --set 'Method/Shape functions=GIMP' --set 'Method/Geometry=start'
 check 'GIMP: the update of domains was foretold too' [ \
   "$(of run.card 'present domain update' 4)" = "$(of base.card 'absent domain update' 4)" ]
 agrees 'moving wall' 'moving walls' base.prm --set 'Boundary conditions/Fixed=x-min' \

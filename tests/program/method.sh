@@ -64,15 +64,18 @@ check 'cut: a quarter of the bar has a quarter of its particles' is "$quarter > 
 check 'cut: a quarter of the bar has a quarter of its particles' is "$whole == 4*$quarter"
 
 echo "Domains"
-scene GIMP --set 'Method/Shape functions=GIMP' --set 'Method/Domain update=none'
+start='Method/Geometry=start'
+scene GIMP --set 'Method/Shape functions=GIMP' --set 'Method/Domain update=none' --set "$start"
 check 'GIMP: columns' [ "$(columns GIMP)" = strain_energy ]
 carries GIMP 16
+scene middle --set 'Method/Shape functions=GIMP' --set 'Method/Domain update=none'
+carries middle 22
 for update in detF corners; do
-  scene $update --set 'Method/Shape functions=GIMP' --set "Method/Domain update=$update"
+  scene $update --set 'Method/Shape functions=GIMP' --set "Method/Domain update=$update" --set "$start"
   carries $update 16
 done
 for update in diagF stretch; do
-  scene $update --set 'Method/Shape functions=GIMP' --set "Method/Domain update=$update"
+  scene $update --set 'Method/Shape functions=GIMP' --set "Method/Domain update=$update" --set "$start"
   carries $update 20
   check "$update: the deformation gradient is in the output" \
     says $update/fields.txt deformation_gradient

@@ -1,6 +1,7 @@
 #ifndef emmy_transfer_middle_places_h
 #define emmy_transfer_middle_places_h
 
+#include <emmy/base/effect_card.h>
 #include <emmy/particles/field_layout.h>
 #include <emmy/transfer/domain_update.h>
 
@@ -8,6 +9,11 @@ namespace emmy
 {
   /** The name of the geometry of the middle, in cards and tables of times. */
   constexpr const char *middle_effect = "middle geometry";
+
+  /** What it costs. */
+  template <int dim>
+  EffectCard
+  middle_card(const bool is_present);
 
   /**
    * Where the middle of a step is looked for first: at x_t + w dt/2, in boxes
