@@ -136,6 +136,12 @@ namespace emmy
         return size;
       }
 
+      std::optional<double>
+      constant() const override
+      {
+        return size;
+      }
+
     private:
       const double size;
     };

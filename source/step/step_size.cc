@@ -15,7 +15,24 @@ namespace emmy
                    const ActiveGrid<dim>  &active,
                    const double            time)
   {
-    StepSize result{method.step_rule(stencils, points, active), ""};
+    return limited_step_size(method.step_rule(stencils, points, active),
+                             method,
+                             limits,
+                             layout,
+                             points,
+                             time);
+  }
+
+  template <int dim>
+  StepSize
+  limited_step_size(const double            rule,
+                    const StepMethod<dim>  &method,
+                    const TimeParameters   &limits,
+                    const FieldLayout      &layout,
+                    const PointArrays<dim> &points,
+                    const double            time)
+  {
+    StepSize result{rule, ""};
     double  &dt = result.time_step;
     if (method.travel_limit)
       {
@@ -50,6 +67,20 @@ namespace emmy
     return "Step " + std::to_string(number) + " from t = " + brief(time) + " s";
   }
 
+  template StepSize
+  limited_step_size<2>(const double,
+                       const StepMethod<2> &,
+                       const TimeParameters &,
+                       const FieldLayout &,
+                       const PointArrays<2> &,
+                       const double);
+  template StepSize
+  limited_step_size<3>(const double,
+                       const StepMethod<3> &,
+                       const TimeParameters &,
+                       const FieldLayout &,
+                       const PointArrays<3> &,
+                       const double);
   template StepSize
   choose_step_size<2>(const StepMethod<2> &,
                       const TimeParameters &,

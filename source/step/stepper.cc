@@ -116,23 +116,13 @@ namespace emmy
   void
   Stepper<dim>::choose_size(Solution &solution)
   {
-    solution.at_start = std::make_unique<Ground<dim>>(ground_at_start());
-    const Stencils<dim>    &stencils = solution.at_start->stencils;
-    const PointArrays<dim> &points   = solution.at_start->points;
-    StepSize                chosen;
+    StepSize chosen;
     if (method.middle)
-      {
-        const ActiveGrid<dim> active(stencils,
-                                     {},
-                                     {},
-                                     grid,
-                                     boundary_conditions,
-                                     ActiveGrid<dim>::Matrices::none);
-        chosen = choose_step_size(
-          method, limits, layout, stencils, points, active, time);
-      }
+      chosen = size_in_middle();
     else
       {
+        solution.at_start = std::make_unique<Ground<dim>>(ground_at_start());
+        const auto &[stencils, points] = *solution.at_start;
         GridStart<dim> &at_start =
           timed("particles to grid", [&]() -> GridStart<dim> & {
             particles_to_grid.classify(stencils, points);
@@ -150,6 +140,30 @@ namespace emmy
         has_limited_travel = true;
         solution.notes.push_back(where() + ": " + chosen.note);
       }
+  }
+
+  template <int dim>
+  StepSize
+  Stepper<dim>::size_in_middle()
+  {
+    // most rules know nothing of nodes, and a step begins with others
+    if (const auto rule = method.step_rule.constant())
+      return limited_step_size(
+        *rule,
+        method,
+        limits,
+        layout,
+        gather(method.shape_functions.places(particles, grid), layout),
+        time);
+    const auto            ground = ground_at_start();
+    const ActiveGrid<dim> active(ground.stencils,
+                                 {},
+                                 {},
+                                 grid,
+                                 boundary_conditions,
+                                 ActiveGrid<dim>::Matrices::none);
+    return choose_step_size(
+      method, limits, layout, ground.stencils, ground.points, active, time);
   }
 
   template <int dim>

@@ -117,10 +117,19 @@ namespace emmy
                 for (unsigned int j = 0; j < dim; ++j)
                   trial.component(deformation_gradient + dim * i + j)[p] =
                     F[i][j];
+              dealii::Tensor<1, dim> diagonal;
+              if (is_stretch)
+                {
+                  const auto C = right_cauchy_green(F);
+                  for (unsigned int d = 0; d < dim; ++d)
+                    diagonal[d] = stretch(C, d);
+                }
+              else
+                for (unsigned int d = 0; d < dim; ++d)
+                  diagonal[d] = F[d][d];
               for (unsigned int d = 0; d < dim; ++d)
                 trial.component(half_length + d)[p] =
-                  initial[group.body][d] *
-                  (is_stretch ? stretch(F, d) : F[d][d]);
+                  initial[group.body][d] * diagonal[d];
             }
       }
 
@@ -132,12 +141,25 @@ namespace emmy
       {
         const dealii::Tensor<2, dim> F = Z * deformation(states, p);
         MiddleBox<dim>               box;
+        if (is_stretch)
+          {
+            const auto C = right_cauchy_green(F);
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                box.half_length[d] = stretch(C, d);
+                box.by_L[d]        = stretch_by_L(C, F, Z, d);
+              }
+          }
+        else
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              box.half_length[d] = F[d][d];
+              box.by_L[d]        = diagonal_by_L(F, Z, d);
+            }
         for (unsigned int d = 0; d < dim; ++d)
           {
-            const double l0    = initial[body][d];
-            box.half_length[d] = l0 * (is_stretch ? stretch(F, d) : F[d][d]);
-            box.by_L[d]        = l0 * (is_stretch ? stretch_by_L(F, Z, d)
-                                                  : diagonal_by_L(F, Z, d));
+            box.half_length[d] *= initial[body][d];
+            box.by_L[d] *= initial[body][d];
           }
         return box;
       }
@@ -172,12 +194,11 @@ namespace emmy
        * dU_dd = sum_ij v_id v_jd v_i.dC v_j / (s_i + s_j).
        */
       static dealii::Tensor<2, dim>
-      stretch_by_L(const dealii::Tensor<2, dim> &F,
-                   const dealii::Tensor<2, dim> &Z,
-                   const unsigned int            d)
+      stretch_by_L(const SpectralDecomposition<dim> &C,
+                   const dealii::Tensor<2, dim>     &F,
+                   const dealii::Tensor<2, dim>     &Z,
+                   const unsigned int                d)
       {
-        const auto C = spectral_decomposition<dim>(
-          mandel::symmetric_part<dim>(transpose(F) * F, 1.));
         const dealii::Tensor<2, dim> f = F * C.vectors;
         const dealii::Tensor<2, dim> z = transpose(Z) * f;
         dealii::Tensor<2, dim>       result;
@@ -203,12 +224,18 @@ namespace emmy
         return F;
       }
 
-      /** U_dd of the right stretch U = sqrt(F^T F). */
-      static double
-      stretch(const dealii::Tensor<2, dim> &F, const unsigned int d)
+      /** C = F^T F. */
+      static SpectralDecomposition<dim>
+      right_cauchy_green(const dealii::Tensor<2, dim> &F)
       {
-        const auto C = spectral_decomposition<dim>(
+        return spectral_decomposition<dim>(
           mandel::symmetric_part<dim>(transpose(F) * F, 1.));
+      }
+
+      /** U_dd of the right stretch U = sqrt(C). */
+      static double
+      stretch(const SpectralDecomposition<dim> &C, const unsigned int d)
+      {
         double result = 0.;
         for (unsigned int i = 0; i < dim; ++i)
           result += std::sqrt(C.values[i]) * C.vectors[d][i] * C.vectors[d][i];

@@ -5,6 +5,8 @@
 #include <emmy/material/material.h>
 #include <emmy/transfer/particles_to_grid.h>
 
+#include <optional>
+
 #include <memory>
 #include <string>
 #include <vector>
@@ -58,6 +60,13 @@ namespace emmy
     operator()(const Stencils<dim>    &stencils,
                const PointArrays<dim> &points,
                const ActiveGrid<dim>  &active) const = 0;
+
+    /** The step if it is the same for all particles and nodes; else empty. */
+    virtual std::optional<double>
+    constant() const
+    {
+      return {};
+    }
   };
 
   /**

@@ -26,6 +26,19 @@ namespace emmy
                    const ActiveGrid<dim>  &active,
                    const double            time);
 
+  /**
+   * The same of a size that the rule has given.
+   * @param points in any order
+   */
+  template <int dim>
+  StepSize
+  limited_step_size(const double            rule,
+                    const StepMethod<dim>  &method,
+                    const TimeParameters   &limits,
+                    const FieldLayout      &layout,
+                    const PointArrays<dim> &points,
+                    const double            time);
+
   /** "Step 3 from t = 0.2 s": where a message comes from. */
   std::string
   step_name(const unsigned int number, const double time);

@@ -124,6 +124,9 @@ namespace emmy
     /** Say why the step fails at its smallest size. Throws on all ranks. */
     void
     give_up(const StepData<dim> &step, Solution &solution) const;
+    /** The size of a step whose grid is undeformed in its middle. */
+    StepSize
+    size_in_middle();
     /** Stencils and states of the particles where they are. */
     Ground<dim>
     ground_at_start();
