@@ -50,8 +50,8 @@ namespace
       for (unsigned int d = 0; d < dim; ++d)
         first.displacement_gradient[0][d][d] -= 1.;
       first.left_cauchy_green_less_unit_old[0] = MandelVector<dim>();
-      first.kirchhoff_stress_old[0]  = MandelVector<dim>();
-      first.stored_energy_old[0]     = 0.;
+      first.kirchhoff_stress_old[0]            = MandelVector<dim>();
+      first.stored_energy_old[0]               = 0.;
       test::check(rule.evaluate(*material, first) == 1, "a step from rest");
       state  = first.material.left_cauchy_green_less_unit[0];
       stress = first.material.kirchhoff_stress[0];
@@ -62,12 +62,12 @@ namespace
     Tensor<2, dim>
     evaluate(const Tensor<2, dim> &L, const bool with_tangent)
     {
-      batch->with_tangent             = with_tangent;
-      batch->n_points                 = 1;
-      batch->displacement_gradient[0] = L;
+      batch->with_tangent                       = with_tangent;
+      batch->n_points                           = 1;
+      batch->displacement_gradient[0]           = L;
       batch->left_cauchy_green_less_unit_old[0] = state;
-      batch->kirchhoff_stress_old[0]  = stress;
-      batch->stored_energy_old[0]     = energy;
+      batch->kirchhoff_stress_old[0]            = stress;
+      batch->stored_energy_old[0]               = energy;
       test::check(middle.to_start(*batch) == 1, "not turned inside out");
       H = batch->displacement_gradient[0];
       test::check(rule.evaluate(*material, *batch) == 1, "a step");
@@ -85,14 +85,6 @@ namespace
     Tensor<2, dim>    F, H;
     MandelVector<dim> state, stress;
     double            energy = 0., work = 0.;
-
-  private:
-    /** The state of a particle without strain. */
-    static MandelVector<dim>
-    no_strain()
-    {
-      return mandel::unit<dim>();
-    }
   };
 
   template <int dim>
