@@ -69,7 +69,6 @@ namespace emmy
     const ActiveGrid<dim>     &active = *step.start.active;
     std::vector<double>        local_force(dim * active.n_local_nodes());
     dealii::FullMatrix<double> stiffness(dim * n, dim * n);
-    std::vector<dealii::types::global_dof_index> dofs(dim * n);
     for (unsigned int f = 0; f < step.start.ghost_faces.size(); ++f)
       {
         const GhostFace<dim> &face  = step.start.ghost_faces[f];
@@ -84,12 +83,9 @@ namespace emmy
                 local_force[dim * nodes[a] + c] +=
                   k * iterate.local_displacement[dim * nodes[b] + c];
                 stiffness(dim * a + c, dim * b + c) = k;
-                dofs[dim * a + c] = active.first_dof(nodes[a]) + c;
               }
         if (jacobian)
-          active.constraints().affine().distribute_local_to_global(stiffness,
-                                                                   dofs,
-                                                                   *jacobian);
+          active.graph().add(nodes, stiffness, *jacobian);
       }
     active.add(local_force, force);
     return "";

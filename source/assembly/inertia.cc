@@ -1,4 +1,5 @@
 #include <emmy/assembly/inertia.h>
+#include <emmy/transfer/mass_blocks.h>
 
 namespace emmy
 {
@@ -18,6 +19,11 @@ namespace emmy
     velocity.sadd(-1., 2. / time_step, displacement);
     return velocity;
   }
+
+  template <int dim>
+  Inertia<dim>::Inertia(const unsigned int mass)
+    : mass(mass)
+  {}
 
   template <int dim>
   EffectCard
@@ -43,13 +49,7 @@ namespace emmy
     const double rate = 2. / step.time_step;
     if (step.stencils.at_middle)
       {
-        // the same with M~ v_t = p: v_t is wanted only after Newton
-        Vector momentum = step.start.momentum;
-        step.start.mass.vmult(momentum, iterate.displacement);
-        momentum.sadd(0.5 * rate, -1., step.start.momentum);
-        force.add(rate, momentum);
-        if (jacobian)
-          jacobian->add(inertia_factor(step.time_step), step.start.damped_mass);
+        add_in_middle(step, iterate, force, jacobian);
         return "";
       }
     Vector acceleration = step.start.velocity;
@@ -61,6 +61,47 @@ namespace emmy
     if (jacobian)
       jacobian->add(inertia_factor(step.time_step), step.start.damped_mass);
     return "";
+  }
+
+  template <int dim>
+  void
+  Inertia<dim>::add_in_middle(const StepData<dim> &step,
+                              const Iterate<dim>  &iterate,
+                              Vector              &force,
+                              Matrix              *jacobian) const
+  {
+    const ActiveGrid<dim>     &active = *step.start.active;
+    const std::vector<double> &u      = iterate.local_displacement;
+    const double               rate   = 2. / step.time_step,
+                 factor               = inertia_factor(step.time_step);
+    // 2/dt (M~ u/dt - p): v_t, with M~ v_t = p, is wanted after Newton only
+    std::vector<double> mass_times_u(dim * active.n_local_nodes());
+    for_each_mass_block<dim>(
+      step.stencils,
+      step.points.component(mass),
+      step.start,
+      /*phases=*/nullptr, // what it takes is booked to inertia
+      [&](MassBlock &block) {
+        const unsigned int n = block.mass.m();
+        for (unsigned int a = 0; a < n; ++a)
+          for (unsigned int b = 0; b < n; ++b)
+            for (unsigned int c = 0; c < dim; ++c)
+              mass_times_u[dim * block.nodes[a] + c] +=
+                block.mass(a, b) * u[dim * block.nodes[b] + c];
+        if (!jacobian)
+          return;
+        for (unsigned int a = 0; a < n; ++a)
+          block.mass(a, a) += block.damping[a];
+        block.mass *= factor;
+        active.graph().add_components(block.nodes,
+                                      block.mass,
+                                      NodeGraph<dim>::Conditions::worked_in,
+                                      *jacobian);
+      });
+    Vector momentum = active.make_vector();
+    active.add(mass_times_u, momentum);
+    momentum.sadd(0.5 * rate, -1., step.start.momentum);
+    force.add(rate, momentum);
   }
 
   template <int dim>

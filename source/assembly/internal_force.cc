@@ -143,15 +143,7 @@ namespace emmy
       }
 
     if (jacobian)
-      {
-        work.dofs.clear();
-        for (unsigned int a = 0; a < group.n_nodes; ++a)
-          for (unsigned int c = 0; c < dim; ++c)
-            work.dofs.push_back(active.first_dof(nodes[a]) + c);
-        active.constraints().affine().distribute_local_to_global(work.stiffness,
-                                                                 work.dofs,
-                                                                 *jacobian);
-      }
+      active.graph().add(nodes, work.stiffness, *jacobian);
     return {};
   }
 

@@ -6,6 +6,39 @@ namespace emmy
 {
   using dealii::Tensor;
 
+  namespace
+  {
+    /** By elimination with the largest pivots of the columns. */
+    template <int n>
+    Tensor<2, n>
+    inverse_of(Tensor<2, n> matrix)
+    {
+      Tensor<2, n> inverse;
+      for (int i = 0; i < n; ++i)
+        inverse[i][i] = 1.;
+      for (int i = 0; i < n; ++i)
+        {
+          int pivot = i;
+          for (int k = i + 1; k < n; ++k)
+            if (std::abs(matrix[k][i]) > std::abs(matrix[pivot][i]))
+              pivot = k;
+          std::swap(matrix[i], matrix[pivot]);
+          std::swap(inverse[i], inverse[pivot]);
+          const double scale = 1. / matrix[i][i];
+          matrix[i] *= scale;
+          inverse[i] *= scale;
+          for (int k = 0; k < n; ++k)
+            if (k != i && matrix[k][i] != 0.)
+              {
+                const double factor = matrix[k][i];
+                matrix[k] -= factor * matrix[i];
+                inverse[k] -= factor * inverse[i];
+              }
+        }
+      return inverse;
+    }
+  } // namespace
+
   template <int dim>
   MovingPlaces<dim>::MovingPlaces(const PlaceRules<dim> &rules,
                                   const Places<dim>     &places)
@@ -38,6 +71,29 @@ namespace emmy
   MovingPlaces<dim>::largest_defect() const
   {
     return defect;
+  }
+
+  template <int dim>
+  void
+  MovingPlaces<dim>::find_defect(const StepData<dim>       &step,
+                                 const std::vector<double> &u)
+  {
+    for (const Group &group : step.stencils.groups)
+      for (unsigned int q = 0; q < group.n_points; ++q)
+        {
+          const unsigned int *nodes = step.start.active->nodes(group);
+          const std::size_t   p     = group.first_point + q;
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              double x = step.points.position(d)[p];
+              for (unsigned int a = 0; a < group.n_nodes; ++a)
+                x += 0.5 * step.stencils.value(group, a)[q] *
+                     u[dim * nodes[a] + d];
+              x -= places.positions[step.stencils.order[p]][d];
+              defect =
+                std::max(defect, std::abs(x) / rules.grid.cell_size()[d]);
+            }
+        }
   }
 
   template <int dim>
@@ -167,7 +223,7 @@ namespace emmy
     const bool has_box = rules.domain_update && !places.half_lengths.empty();
     if (has_box)
       response.box = rules.domain_update->middle(step.points, p, group.body, Z);
-    dealii::FullMatrix<double> matrix(nq, nq);
+    Tensor<2, nq> matrix;
     for (unsigned int d = 0; d < dim; ++d)
       {
         response.defect[d] =
@@ -180,16 +236,13 @@ namespace emmy
             response.box.half_length[d] - places.half_lengths[i][d];
         for (unsigned int k = 0; k < nq; ++k)
           {
-            matrix(d, k) = (d == k ? 1. : 0.) - 0.5 * Su_by_q[k][d];
-            matrix(dim + d, k) =
+            matrix[d][k] = (d == k ? 1. : 0.) - 0.5 * Su_by_q[k][d];
+            matrix[dim + d][k] =
               (dim + d == k ? 1. : 0.) -
               scalar_product(response.box.by_L[d], L_by_q[k]);
           }
       }
-    matrix.gauss_jordan();
-    for (unsigned int k = 0; k < nq; ++k)
-      for (unsigned int l = 0; l < nq; ++l)
-        response.inverse[k][l] = matrix(k, l);
+    response.inverse = inverse_of(matrix);
   }
 
   template <int dim>

@@ -88,10 +88,11 @@ namespace emmy
 
     /** Evaluate the equation; false if it has no meaning there. */
     bool
-    evaluate()
+    evaluate(const bool with_jacobian = true)
     {
       const auto scope = newton.phases.scope("residual and tangent");
-      return equation.evaluate(solution, /*with_jacobian=*/true);
+      has_jacobian     = with_jacobian;
+      return equation.evaluate(solution, with_jacobian);
     }
 
     /** The first evaluation; true if there is something to solve. */
@@ -149,16 +150,37 @@ namespace emmy
       return solve.is_solved;
     }
 
-    /** Take the increment. @return whether the equation has meaning there. */
+    /**
+     * Whether the increment will most likely be the last one, so that no
+     * matrix is wanted after it. Newton falls at least as fast as before.
+     * Collective.
+     */
     bool
-    take()
+    expects_to_end() const
+    {
+      const auto &history = result.residual_history;
+      if (history.size() < 2)
+        return false;
+      const double falls = norm / history[history.size() - 2];
+      return falls < 0.1 &&
+             (falls * norm <= force_round_off * equation.scale() ||
+              falls * absolute_product(right_side, increment) <
+                newton.tolerance * reference);
+    }
+
+    /**
+     * Take the increment, and evaluate, without the matrix where it is not
+     * likely to be wanted. @return whether the equation has meaning there.
+     */
+    bool
+    take(const bool with_jacobian = true)
     {
       // The first increment may be wild at nodes that few particles reach;
       // then the first |r||du| of the paper is no measure, but this is.
       if (++result.iterations == 1)
         reference = absolute_product(right_side, increment);
       equation.take(solution, increment);
-      return evaluate();
+      return evaluate(with_jacobian);
     }
 
     /** Note what the increment led to. @return whether this is enough. */
@@ -226,8 +248,9 @@ namespace emmy
     Vector            &solution;
     Vector             increment, right_side;
     NewtonResult       result;
-    double             norm      = 0.; ///< |r|
-    double             reference = 0.; ///< for sum |r||du|
+    bool               has_jacobian = false; ///< of the solution
+    double             norm         = 0.;    ///< |r|
+    double             reference    = 0.;    ///< for sum |r||du|
   };
 
   Newton::Newton(const SolverParameters &parameters,
@@ -281,8 +304,9 @@ namespace emmy
           if (!iteration.find_increment(mu *= 100.))
             return;
 
-        bool       has_meaning = iteration.take();
-        const bool is_newtons  = has_meaning && mu == least_damping;
+        bool has_meaning =
+          iteration.take(/*with_jacobian=*/!iteration.expects_to_end());
+        const bool is_newtons = has_meaning && mu == least_damping;
         for (unsigned int halving = 0; !has_meaning && halving < 6; ++halving)
           {
             iteration.equation.halve(iteration.solution, iteration.increment);
@@ -300,6 +324,8 @@ namespace emmy
             iteration.result.is_converged = true;
             return;
           }
+        if (!iteration.has_jacobian)
+          iteration.evaluate();
       }
   }
 

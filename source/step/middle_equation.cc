@@ -61,7 +61,8 @@ namespace emmy
       const auto timed = start.phases->scope("particles to grid");
       if (!on_grid) // classes are those of the first places
         start.particles_to_grid.classify(next->stencils, next->points);
-      on_grid = &start.particles_to_grid(next->stencils, next->points);
+      on_grid = &start.particles_to_grid.renew_but_for_mass(next->stencils,
+                                                            next->points);
     }
     active = on_grid->active;
     if (solution && before != active)
@@ -126,7 +127,9 @@ namespace emmy
   {
     if (!found.empty() || !step_equation->evaluate(solution, with_jacobian))
       return false;
-    if (moving && with_jacobian)
+    if (moving && !with_jacobian)
+      moving->find_defect(step_equation->data(), active->to_local(solution));
+    if (moving)
       defect = dealii::Utilities::MPI::max(moving->largest_defect(),
                                            active->communicator());
     return true;

@@ -251,6 +251,10 @@ namespace emmy
                         .solve(*solution.in_middle, solution.displacement);
     GridStart<dim> &middle = solution.in_middle->grid_start();
     start                  = &middle;
+    timed("particles to grid", [&] {
+      particles_to_grid.assemble_mass(solution.ground().stencils,
+                                      solution.ground().points);
+    });
     if (!solution.newton.is_converged)
       return;
     if (solution.in_middle->has_given_up())
@@ -393,6 +397,10 @@ namespace emmy
   {
     const auto &[stencils, points] = solution.ground();
     findings                       = std::make_unique<StepDiagnosis<dim>>();
+    // Newton's last evaluation may have made no matrix
+    solution.equation().evaluate(solution.displacement, /*with_jacobian=*/true);
+    if (method.middle)
+      solution.equation().set_velocity_at_start();
     *findings = {diagnose_matrix(examined_mass(*start), stencils, points),
                  diagnose_matrix(undamped_jacobian(solution.equation(),
                                                    *start,

@@ -137,7 +137,8 @@ namespace emmy
       effects.material_of_body = material_of_body;
       if (!is_explicit)
         {
-          effects.terms.push_back(std::make_unique<Inertia<dim>>());
+          effects.terms.push_back(
+            std::make_unique<Inertia<dim>>(layout["mass"]));
           effects.name_new(Inertia<dim>::card().name);
           layout.set_effect(internal_force_effect);
           effects.terms.push_back(std::make_unique<InternalForce<dim>>(

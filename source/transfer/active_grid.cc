@@ -73,7 +73,7 @@ namespace emmy
     number_nodes(stencils, has_followers);
     make_constraints(boundary_conditions, has_followers);
     if (matrices == Matrices::wanted)
-      make_sparsity(stencils);
+      make_graph(stencils);
   }
 
   template <int dim>
@@ -267,40 +267,19 @@ namespace emmy
 
   template <int dim>
   void
-  ActiveGrid<dim>::make_sparsity(const Stencils<dim> &stencils)
+  ActiveGrid<dim>::make_graph(const Stencils<dim> &stencils)
   {
-    // a first guess: particles couple the nodes of one cell, or of neighbours
-    unsigned int most_nodes = 0;
+    std::vector<typename NodeGraph<dim>::Clique> cliques;
     for (const auto &group : stencils.groups)
-      most_nodes = std::max(most_nodes, group.n_nodes);
-    const unsigned int width =
-      most_nodes > BackgroundGrid<dim>::nodes_per_cell || !face_node_ids.empty()
-        ? 5
-        : 3;
-    // deal.II 9.4 refuses a row length on a rank that owns no row
-    const unsigned int longest_row =
-      owned_dofs.n_elements() > 0 ? dim * dealii::Utilities::pow(width, dim)
-                                  : 0;
-    pattern.reinit(
-      owned_dofs, owned_dofs, known_dofs, communicator(), longest_row);
-    std::vector<global_dof_index> dofs;
-    const auto couple = [&](const unsigned int *nodes, const unsigned int n) {
-      dofs.clear();
-      for (unsigned int a = 0; a < n; ++a)
-        for (unsigned int c = 0; c < dim; ++c)
-          dofs.push_back(first_dof(nodes[a]) + c);
-      if (conditions.has_followers()) // couples roots too
-        conditions.affine().add_entries_local_to_global(dofs, pattern, true);
-      else
-        for (const auto row : dofs)
-          pattern.add_entries(row, dofs.begin(), dofs.end());
-    };
-    for (const auto &group : stencils.groups)
-      couple(nodes(group), group.n_nodes);
+      cliques.push_back({nodes(group), group.n_nodes});
     constexpr unsigned int n = GhostFace<dim>::n_nodes;
     for (unsigned int face = 0; face < nodes_of_faces.size() / n; ++face)
-      couple(face_nodes(face), n);
-    pattern.compress();
+      cliques.push_back({face_nodes(face), n});
+    std::vector<global_dof_index> first_dofs;
+    for (unsigned int node = 0; node < n_local_nodes(); ++node)
+      first_dofs.push_back(first_dof(node));
+    node_graph.make(
+      cliques, first_dofs, owned_dofs, known_dofs, conditions, communicator());
   }
 
   template <int dim>

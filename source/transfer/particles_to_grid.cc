@@ -1,8 +1,4 @@
-#include <deal.II/lac/full_matrix.h>
-
-#include <emmy/transfer/particles_to_grid.h>
-
-#include <algorithm>
+#include <emmy/transfer/mass_blocks.h>
 
 namespace emmy
 {
@@ -26,47 +22,6 @@ namespace emmy
             points.component(c)[p] = properties[c];
         }
       return points;
-    }
-
-    using Dofs = std::vector<dealii::types::global_dof_index>;
-
-    /**
-     * Add a matrix of nodes to that of unknowns, for each component.
-     * @param dofs first unknown of each node
-     */
-    template <int dim>
-    void
-    add_components(const dealii::FullMatrix<double> &nodal,
-                   Dofs                              dofs,
-                   Matrix                           &matrix)
-    {
-      for (unsigned int c = 0; c < dim; ++c)
-        {
-          matrix.add(dofs, nodal);
-          for (auto &dof : dofs)
-            ++dof;
-        }
-    }
-
-    /** The same, with constraints; components can be constrained apart. */
-    template <int dim>
-    void
-    add_components(const dealii::FullMatrix<double>        &nodal,
-                   Dofs                                     dofs,
-                   const dealii::AffineConstraints<double> &constraints,
-                   Matrix                                  &matrix)
-    {
-      for (unsigned int c = 0; c < dim; ++c)
-        {
-          if (std::any_of(dofs.begin(), dofs.end(), [&](const auto dof) {
-                return constraints.is_constrained(dof);
-              }))
-            constraints.distribute_local_to_global(nodal, dofs, matrix);
-          else
-            matrix.add(dofs, nodal);
-          for (auto &dof : dofs)
-            ++dof;
-        }
     }
   } // namespace
 
@@ -118,6 +73,7 @@ namespace emmy
     , mass_component(layout["mass"])
     , velocity_component(layout["velocity"])
   {
+    start.lumping = mapping.lumping;
     if (find_ghost_faces)
       for (unsigned int d = 0; d < dim; ++d)
         start.ghost_matrices[d] = ghost_matrix<dim>(d, grid.cell_size());
@@ -136,8 +92,8 @@ namespace emmy
 
   template <int dim>
   GridStart<dim> &
-  ParticlesToGrid<dim>::operator()(const Stencils<dim>    &stencils,
-                                   const PointArrays<dim> &points)
+  ParticlesToGrid<dim>::renew_but_for_mass(const Stencils<dim>    &stencils,
+                                           const PointArrays<dim> &points)
   {
     if (find_ghost_faces)
       {
@@ -166,8 +122,17 @@ namespace emmy
         start.momentum      = start.active->make_vector();
         start.mean_velocity = start.active->make_vector();
       }
-    assemble_mass(stencils, points);
     assemble_momentum(stencils, points);
+    return start;
+  }
+
+  template <int dim>
+  GridStart<dim> &
+  ParticlesToGrid<dim>::operator()(const Stencils<dim>    &stencils,
+                                   const PointArrays<dim> &points)
+  {
+    renew_but_for_mass(stencils, points);
+    assemble_mass(stencils, points);
     return start;
   }
 
@@ -176,10 +141,9 @@ namespace emmy
   ParticlesToGrid<dim>::assemble_mass(const Stencils<dim>    &stencils,
                                       const PointArrays<dim> &points)
   {
-    const ActiveGrid<dim> &active  = *start.active;
-    const double          *mass    = points.component(mass_component);
-    const double           epsilon = mapping.lumping;
-    const bool             without_walls =
+    using Conditions            = typename NodeGraph<dim>::Conditions;
+    const NodeGraph<dim> &graph = start.active->graph();
+    const bool            without_walls =
       mapping.walls != PointMapping::Walls::constrained;
     const auto walls_scope = [&] {
       return effect_scope(phases,
@@ -192,102 +156,37 @@ namespace emmy
     if (without_walls)
       start.damped_mass_without_walls = 0.;
 
-    // one matrix for all components, which do not meet
-    dealii::FullMatrix<double>                   group_mass;
-    std::vector<double>                          row_sums;
-    std::vector<dealii::types::global_dof_index> dofs;
-    for (const auto &group : stencils.groups)
+    const auto add_block = [&](MassBlock &block) {
       {
-        const unsigned int n = group.n_nodes;
-        group_mass.reinit(n, n, true);
-        dofs.resize(n);
-        row_sums.assign(n, 0.);
-        for (unsigned int a = 0; a < n; ++a)
-          {
-            const double *S_a = stencils.value(group, a);
-            for (unsigned int b = 0; b <= a; ++b)
-              {
-                const double *S_b = stencils.value(group, b);
-                double        sum = 0.;
-                for (unsigned int p = 0; p < group.n_points; ++p)
-                  sum += mass[group.first_point + p] * S_a[p] * S_b[p];
-                group_mass(a, b) = group_mass(b, a) = sum;
-              }
-            dofs[a] = active.first_dof(active.nodes(group)[a]);
-          }
-
-        // the row sums of the group's matrix are its lumped mass
-        double total = 0.;
-        for (unsigned int a = 0; a < n; ++a)
-          {
-            for (unsigned int b = 0; b < n; ++b)
-              row_sums[a] += group_mass(a, b);
-            total += row_sums[a];
-          }
-        if (epsilon > 0.)
-          {
-            const auto timed = effect_scope(phases, lumping_effect);
-            group_mass *= 1. - epsilon;
-            for (unsigned int a = 0; a < n; ++a)
-              group_mass(a, a) += epsilon * row_sums[a];
-          }
-        add_components<dim>(group_mass, dofs, start.mass);
-
-        // the second part is for nodes with S = 0 at all points; it must be
-        // far below any S^2 that is not zero
-        for (unsigned int a = 0; a < n; ++a)
-          group_mass(a, a) += mass_damping * row_sums[a] + 1e-30 * total;
-        add_components<dim>(group_mass,
-                            dofs,
-                            active.constraints().affine(),
-                            start.damped_mass);
-        if (without_walls)
-          {
-            const auto timed = walls_scope();
-            add_components<dim>(group_mass,
-                                dofs,
-                                start.damped_mass_without_walls);
-          }
+        const auto timed =
+          effect_scope(block.is_of_ghosts ? phases : nullptr, ghost_effect);
+        graph.add_components(block.nodes,
+                             block.mass,
+                             Conditions::left_out,
+                             start.mass);
+        for (unsigned int a = 0; a < block.mass.m(); ++a)
+          block.mass(a, a) += block.damping[a];
+        graph.add_components(block.nodes,
+                             block.mass,
+                             Conditions::worked_in,
+                             start.damped_mass);
       }
-    if (find_ghost_faces)
-      {
-        const auto timed = effect_scope(phases, ghost_effect);
-        add_ghost_mass();
-      }
+      if (!without_walls)
+        return;
+      const auto timed = walls_scope();
+      graph.add_components(block.nodes,
+                           block.mass,
+                           Conditions::left_out,
+                           start.damped_mass_without_walls);
+    };
+    for_each_mass_block<dim>(
+      stencils, points.component(mass_component), start, phases, add_block);
     start.mass.compress(dealii::VectorOperation::add);
     start.damped_mass.compress(dealii::VectorOperation::add);
     if (without_walls)
       {
         const auto timed = walls_scope();
         start.damped_mass_without_walls.compress(dealii::VectorOperation::add);
-      }
-  }
-
-  template <int dim>
-  void
-  ParticlesToGrid<dim>::add_ghost_mass()
-  {
-    constexpr unsigned int     n      = GhostFace<dim>::n_nodes;
-    const ActiveGrid<dim>     &active = *start.active;
-    dealii::FullMatrix<double> mass(n, n);
-    Dofs                       dofs(n);
-    for (unsigned int f = 0; f < start.ghost_faces.size(); ++f)
-      {
-        const GhostFace<dim> &face = start.ghost_faces[f];
-        for (unsigned int a = 0; a < n; ++a)
-          {
-            dofs[a] = active.first_dof(active.face_nodes(f)[a]);
-            for (unsigned int b = 0; b < n; ++b)
-              mass(a, b) =
-                face.mass * start.ghost_matrices[face.direction](a, b);
-          }
-        add_components<dim>(mass, dofs, start.mass);
-        add_components<dim>(mass,
-                            dofs,
-                            active.constraints().affine(),
-                            start.damped_mass);
-        if (mapping.walls != PointMapping::Walls::constrained)
-          add_components<dim>(mass, dofs, start.damped_mass_without_walls);
       }
   }
 

@@ -94,7 +94,7 @@ namespace emmy
           material = std::make_unique<Hencky<dim>>(constants);
 
         Effects<dim> effects;
-        effects.terms.push_back(std::make_unique<Inertia<dim>>());
+        effects.terms.push_back(std::make_unique<Inertia<dim>>(layout["mass"]));
         effects.terms.push_back(std::make_unique<InternalForce<dim>>(
           std::vector<const Material<dim> *>{material.get()}, layout));
         if (options.gravity)

@@ -14,6 +14,9 @@ namespace emmy
   class Inertia : public ForceTerm<dim>
   {
   public:
+    /** @param mass component of the points' mass */
+    explicit Inertia(const unsigned int mass);
+
     static EffectCard
     card();
 
@@ -30,6 +33,19 @@ namespace emmy
              const PointArrays<dim> &accepted) const override;
     std::vector<EnergyEntry>
     energy_entries() const override;
+
+  private:
+    /**
+     * The same at the places of the middle, which move with the iterates: M~
+     * is not summed for each.
+     */
+    void
+    add_in_middle(const StepData<dim> &step,
+                  const Iterate<dim>  &iterate,
+                  Vector              &force,
+                  Matrix              *jacobian) const;
+
+    const unsigned int mass;
   };
 
   /** The factor of M~ in the derivative, 2/dt^2 as the rounded 2/dt gives it.

@@ -57,11 +57,10 @@ namespace emmy
     /** What add() works on and with. */
     struct Assembly
     {
-      StressBatch<dim>                             batch;
-      MiddleStep<dim>                              middle;
-      std::vector<double>                          nodal_force;
-      dealii::FullMatrix<double>                   stiffness;
-      std::vector<dealii::types::global_dof_index> dofs;
+      StressBatch<dim>           batch;
+      MiddleStep<dim>            middle;
+      std::vector<double>        nodal_force;
+      dealii::FullMatrix<double> stiffness;
     };
 
     /**

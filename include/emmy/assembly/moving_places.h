@@ -69,6 +69,11 @@ namespace emmy
     const std::vector<double> &
     residual_share() const;
 
+    /** For largest_defect() after an evaluation without a derivative. */
+    void
+    find_defect(const StepData<dim>       &step,
+                const std::vector<double> &local_displacement);
+
     /** The largest x - Q of a position on this rank, in cells. */
     double
     largest_defect() const;

@@ -5,14 +5,13 @@
 
 #include <deal.II/base/partitioner.h>
 
-#include <deal.II/lac/trilinos_sparsity_pattern.h>
-
 #include <emmy/base/linear_algebra.h>
 #include <emmy/grid/boundary_conditions.h>
 #include <emmy/particles/stencils.h>
 #include <emmy/transfer/aggregation.h>
 #include <emmy/transfer/constraints.h>
 #include <emmy/transfer/ghost_faces.h>
+#include <emmy/transfer/node_graph.h>
 
 #include <vector>
 
@@ -38,7 +37,7 @@ namespace emmy
     enum class Matrices
     {
       wanted,
-      none ///< no sparsity() is made
+      none ///< no graph() is made
     };
 
     /**
@@ -174,11 +173,17 @@ namespace emmy
       return conditions;
     }
 
+    /** Adds to matrices on this grid. */
+    const NodeGraph<dim> &
+    graph() const
+    {
+      return node_graph;
+    }
     /** Pattern of all matrices on this grid; empty if there are none. */
     const dealii::TrilinosWrappers::SparsityPattern &
     sparsity() const
     {
-      return pattern;
+      return node_graph.pattern();
     }
 
     /** The active cells of this rank and the local indices of their nodes. */
@@ -203,7 +208,7 @@ namespace emmy
     make_constraints(const BoundaryConditions<dim> &boundary_conditions,
                      const bool                     has_followers);
     void
-    make_sparsity(const Stencils<dim> &stencils);
+    make_graph(const Stencils<dim> &stencils);
 
     const BackgroundGrid<dim> &grid;
     /** Of the window for which this was made. */
@@ -227,9 +232,9 @@ namespace emmy
 
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> node_partition,
       dof_partition;
-    dealii::IndexSet                          owned_dofs, known_dofs;
-    Constraints                               conditions;
-    dealii::TrilinosWrappers::SparsityPattern pattern;
+    dealii::IndexSet owned_dofs, known_dofs;
+    Constraints      conditions;
+    NodeGraph<dim>   node_graph;
     /** What make_vector() copies. */
     Vector zero;
   };

@@ -64,6 +64,8 @@ namespace emmy
      * whose places move: it carries its unknowns over from the grid before.
      */
     std::shared_ptr<const ActiveGrid<dim>> active;
+    /** epsilon of M~, see PointMapping. */
+    double lumping = 0.;
     /** Effective mass M~ over all unknowns, without constraints, kg. */
     Matrix mass;
     /**
@@ -146,12 +148,16 @@ namespace emmy
     GridStart<dim> &
     operator()(const Stencils<dim> &stencils, const PointArrays<dim> &points);
 
-  private:
+    /** The same, with the matrices of the mass left as they were. */
+    GridStart<dim> &
+    renew_but_for_mass(const Stencils<dim>    &stencils,
+                       const PointArrays<dim> &points);
+    /** The matrices of the mass, on the active nodes of the last renewal. */
     void
     assemble_mass(const Stencils<dim>    &stencils,
                   const PointArrays<dim> &points);
-    void
-    add_ghost_mass();
+
+  private:
     /** Momentum and mean velocity. */
     void
     assemble_momentum(const Stencils<dim>    &stencils,
