@@ -253,41 +253,42 @@ namespace emmy
                                    const Response             &response,
                                    dealii::FullMatrix<double> &stiffness)
   {
-    const unsigned int n = group.n_nodes;
-    // dl_d/du_bj = sum_k by_L_jk dS_b/dx_k
-    work.box_by_u.resize(dim * dim * n);
+    // dq = (I - Q_q)^-1 Q_u du, with dx/du_b = S_b/2 I and
+    // dl_d/du_b = by_L_d grad S_b
+    const unsigned int n = group.n_nodes, n_columns = dim * n;
+    work.q_by_u.resize(nq * n_columns);
     for (unsigned int b = 0; b < n; ++b)
       {
-        Vector g;
+        const double half_S = 0.5 * stencils.value(group, b)[q];
+        Vector       g;
         for (unsigned int c = 0; c < dim; ++c)
           g[c] = stencils.gradient(group, b, c)[q];
+        std::array<Vector, dim> box_by_u;
         for (unsigned int d = 0; d < dim; ++d)
-          {
-            const Vector by_u = response.box.by_L[d] * g;
-            for (unsigned int j = 0; j < dim; ++j)
-              work.box_by_u[(d * n + b) * dim + j] = by_u[j];
-          }
+          box_by_u[d] = response.box.by_L[d] * g;
+        for (unsigned int k = 0; k < nq; ++k)
+          for (unsigned int j = 0; j < dim; ++j)
+            {
+              double sum = response.inverse[k][j] * half_S;
+              for (unsigned int d = 0; d < dim; ++d)
+                sum += response.inverse[k][dim + d] * box_by_u[d][j];
+              work.q_by_u[k * n_columns + dim * b + j] = sum;
+            }
       }
     for (unsigned int a = 0; a < n; ++a)
       for (unsigned int i = 0; i < dim; ++i)
         {
-          Tensor<1, nq> by_place;
+          std::array<double, nq> force_by_q;
           for (unsigned int k = 0; k < nq; ++k)
-            for (unsigned int l = 0; l < nq; ++l)
-              by_place[l] +=
-                work.force_by_q[a * nq + k][i] * response.inverse[k][l];
-          double *row = &stiffness(dim * a + i, 0);
-          for (unsigned int b = 0; b < n; ++b)
+            force_by_q[k] = work.force_by_q[a * nq + k][i];
+          double       *row    = &stiffness(dim * a + i, 0);
+          const double *q_by_u = work.q_by_u.data();
+          for (unsigned int c = 0; c < n_columns; ++c)
             {
-              const double half_S = 0.5 * stencils.value(group, b)[q];
-              for (unsigned int j = 0; j < dim; ++j)
-                row[dim * b + j] += by_place[j] * half_S;
-            }
-          for (unsigned int d = 0; d < dim; ++d)
-            {
-              const double *by_u = &work.box_by_u[d * n * dim];
-              for (unsigned int c = 0; c < dim * n; ++c)
-                row[c] += by_place[dim + d] * by_u[c];
+              double sum = 0.;
+              for (unsigned int k = 0; k < nq; ++k)
+                sum += force_by_q[k] * q_by_u[k * n_columns + c];
+              row[c] += sum;
             }
         }
   }

@@ -104,8 +104,7 @@ namespace emmy
     {
       PlaceDerivatives<dim> derivatives;
       std::vector<Vector>   force_by_q; ///< r_A,k: [a * nq + k]
-      std::vector<double>   by_place;   ///< r_q (I - Q_q)^-1, rows (a, i)
-      std::vector<double>   box_by_u; ///< dl_d/du: [(d * n_nodes + b) dim + j]
+      std::vector<double>   q_by_u; ///< dq_k/du_bj: [(k * n_nodes + b) dim + j]
     };
 
     void
