@@ -188,19 +188,42 @@ namespace emmy
   GimpShapeFunctions<dim>::sorted_entries(const Places<dim>         &places,
                                           const BackgroundGrid<dim> &grid) const
   {
-    std::vector<Entry> entries(places.size());
+    // the order must not depend on which part of the grid has cells: that of
+    // Entry::key(), then of ids; what is compared stands close together
+    struct Rank
+    {
+      std::uint64_t cells;
+      unsigned int  body;
+      std::uint64_t left_out, id;
+      Entry         entry;
+    };
+    std::vector<Rank>         ranks(places.size());
+    std::vector<const Rank *> sorted(places.size());
     for (std::size_t i = 0; i < places.size(); ++i)
       {
-        entries[i].index = i;
-        entries[i].body  = places.bodies[i];
-        set_overlap(places, grid, entries[i]);
+        Entry &entry = ranks[i].entry;
+        entry.index  = i;
+        entry.body   = places.bodies[i];
+        set_overlap(places, grid, entry);
+        std::uint64_t cells = 0;
+        for (unsigned int d = 0; d < dim; ++d)
+          cells = cells * grid.n_cells()[d] + entry.first[d];
+        for (unsigned int d = 0; d < dim; ++d)
+          cells = 4 * cells + entry.last[d] - entry.first[d];
+        ranks[i].cells    = cells;
+        ranks[i].body     = entry.body;
+        ranks[i].left_out = entry.left_out;
+        ranks[i].id       = places.particles[i]->get_id();
+        sorted[i]         = &ranks[i];
       }
-    // the order must not depend on which part of the grid has cells
-    std::sort(
-      entries.begin(), entries.end(), [&](const Entry &a, const Entry &b) {
-        return std::make_pair(a.key(), places.particles[a.index]->get_id()) <
-               std::make_pair(b.key(), places.particles[b.index]->get_id());
-      });
+    std::sort(sorted.begin(), sorted.end(), [](const Rank *a, const Rank *b) {
+      return std::tie(a->cells, a->body, a->left_out, a->id) <
+             std::tie(b->cells, b->body, b->left_out, b->id);
+    });
+    std::vector<Entry> entries;
+    entries.reserve(places.size());
+    for (const Rank *rank : sorted)
+      entries.push_back(rank->entry);
     return entries;
   }
 
@@ -280,7 +303,7 @@ namespace emmy
   }
 
   template <int dim>
-  void
+  bool
   GimpShapeFunctions<dim>::add_nodes(const Entry               &entry,
                                      const BackgroundGrid<dim> &grid,
                                      Group                     &group,
@@ -292,6 +315,7 @@ namespace emmy
     group.origin       = grid.corner(entry.first);
     group.left_out     = entry.left_out;
     group.first_node   = stencils.node_ids.size();
+    bool is_known      = true;
     for_each_node<dim>(group, [&](const unsigned int, const auto &index) {
       // a cell that has the node, and which of its vertices that is
       Lattice      lattice;
@@ -302,8 +326,11 @@ namespace emmy
           vertex |= (entry.first[d] + index[d] - lattice[d]) << d;
         }
       const Cell cell = grid.cell_at(lattice);
-      Assert(cell != grid.triangulation().end(),
-             dealii::ExcMessage("A domain reaches beyond the ghost layer."));
+      if (cell == grid.triangulation().end())
+        {
+          is_known = false;
+          return;
+        }
       stencils.node_ids.push_back(grid.node_ids(cell)[vertex]);
     });
     group.n_nodes = stencils.node_ids.size() - group.first_node;
@@ -313,6 +340,7 @@ namespace emmy
         lattice[d] += index[d];
       overlapped.push_back(grid.cell_at(lattice));
     });
+    return is_known;
   }
 
   namespace
@@ -462,6 +490,7 @@ namespace emmy
         stencils.order.push_back(entry.index);
       }
 
+    std::optional<std::size_t> unknown;
     for (std::size_t first = 0, last = 0; first < entries.size(); first = last)
       {
         while (last < entries.size() &&
@@ -472,11 +501,16 @@ namespace emmy
         group.n_points    = last - first;
         group.body        = entries[first].body;
         group.first_value = stencils.values.size();
-        add_nodes(entries[first], grid, group, stencils, overlapped);
+        if (!add_nodes(entries[first], grid, group, stencils, overlapped))
+          {
+            unknown = entries[first].index;
+            break;
+          }
         add_weights(&entries[first], places, grid, group, stencils);
         stencils.groups.push_back(group);
       }
 
+    stop_at_unknown_cell(places, unknown, grid);
     std::sort(overlapped.begin(), overlapped.end());
     overlapped.erase(std::unique(overlapped.begin(), overlapped.end()),
                      overlapped.end());

@@ -1,3 +1,6 @@
+#include <deal.II/base/patterns.h>
+
+#include <emmy/base/exceptions.h>
 #include <emmy/particles/gimp.h>
 
 #include <algorithm>
@@ -124,6 +127,7 @@ namespace emmy
     stencils.values.resize(n * n_nodes);
     stencils.gradients.resize(n * n_nodes * dim);
 
+    std::optional<std::size_t>                      unknown;
     std::vector<typename BackgroundGrid<dim>::Cell> found;
     for (std::size_t first = 0, last = 0; first < n; first = last)
       {
@@ -133,6 +137,11 @@ namespace emmy
                places.bodies[stencils.order[last]] == body)
           ++last;
         const auto cell = grid.cell_at(place);
+        if (cell == grid.triangulation().end())
+          {
+            unknown = stencils.order[first];
+            break;
+          }
         if (found.empty() || found.back() != cell)
           found.push_back(cell);
         const auto                    ids = grid.node_ids(cell);
@@ -151,6 +160,7 @@ namespace emmy
         add_weights(places, group, grid.cell_size(), stencils);
         stencils.groups.push_back(group);
       }
+    stop_at_unknown_cell(places, unknown, grid);
     stencils.active_cells = owned_among_active<dim>(found, grid);
     return stencils;
   }
@@ -216,6 +226,24 @@ namespace emmy
   }
 
   template <int dim>
+  void
+  stop_at_unknown_cell(const Places<dim>               &places,
+                       const std::optional<std::size_t> index,
+                       const BackgroundGrid<dim>       &grid)
+  {
+    throw_together(
+      grid.communicator(),
+      "Shape functions",
+      index ? "particle " + std::to_string(places.particles[*index]->get_id()) +
+                " at (" +
+                dealii::Patterns::Tools::to_string(places.positions[*index]) +
+                ") m reaches a cell that its rank does not know"
+            : std::string(),
+      "it moved too far within a step. Take smaller steps "
+      "(Time/Factor or Step size), or limit Time/Maximum travel.");
+  }
+
+  template <int dim>
   std::vector<typename BackgroundGrid<dim>::Cell>
   owned_among_active(
     const std::vector<typename BackgroundGrid<dim>::Cell> &found,
@@ -254,6 +282,14 @@ namespace emmy
                 const unsigned int);
   template class LinearShapeFunctions<2>;
   template class LinearShapeFunctions<3>;
+  template void
+  stop_at_unknown_cell<2>(const Places<2> &,
+                          const std::optional<std::size_t>,
+                          const BackgroundGrid<2> &);
+  template void
+  stop_at_unknown_cell<3>(const Places<3> &,
+                          const std::optional<std::size_t>,
+                          const BackgroundGrid<3> &);
   template std::vector<BackgroundGrid<2>::Cell>
   owned_among_active<2>(const std::vector<BackgroundGrid<2>::Cell> &,
                         const BackgroundGrid<2> &);

@@ -332,6 +332,18 @@ namespace emmy
         return result.is_solved ? result : fall_back(result);
       }
 
+      /** LU of the scaled matrix, where it is not too large for that. */
+      LinearResult
+      prepare_mass(const Matrix &new_matrix) override
+      {
+        if (new_matrix.m() > largest_direct)
+          return prepare(new_matrix);
+        matrix     = &new_matrix;
+        first_norm = 0.;
+        is_direct  = true;
+        return direct.prepare_mass(*matrix);
+      }
+
       LinearResult
       solve(Vector &x, const Vector &b, const double tolerance) override
       {

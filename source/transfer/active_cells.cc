@@ -25,6 +25,8 @@ namespace emmy
     for (const auto &entry : found)
       {
         const auto cell = grid.cell_at(entry.second);
+        AssertThrow(cell != grid.triangulation().end(),
+                    dealii::ExcMessage("A cell of the stencils is unknown."));
         if (cell->is_locally_owned())
           owned.insert(entry);
         else

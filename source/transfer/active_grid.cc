@@ -113,10 +113,13 @@ namespace emmy
   unsigned int
   ActiveGrid<dim>::local_index(const global_dof_index grid_id) const
   {
-    return std::lower_bound(local_index_of.begin(),
-                            local_index_of.end(),
-                            std::make_pair(grid_id, 0u))
-      ->second;
+    const auto found = std::lower_bound(local_index_of.begin(),
+                                        local_index_of.end(),
+                                        std::make_pair(grid_id, 0u));
+    AssertThrow(found != local_index_of.end() && found->first == grid_id,
+                dealii::ExcMessage("Node " + std::to_string(grid_id) +
+                                   " is not active."));
+    return found->second;
   }
 
   template <int dim>

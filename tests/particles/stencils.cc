@@ -459,6 +459,46 @@ namespace
           }
       }
   }
+
+  /** A place beyond the window: an error that names the particle. */
+  template <int dim>
+  void
+  check_unknown_cells()
+  {
+    dealii::ParameterAcceptor::clear();
+    FiveCells<dim> parameters;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        parameters.cells[d]        = 1000;
+        parameters.upper_corner[d] = 1000.;
+      }
+    BackgroundGrid<dim>                   grid(parameters,
+                             MPI_COMM_WORLD,
+                             BackgroundGrid<dim>::Cells::none);
+    typename BackgroundGrid<dim>::Lattice home;
+    home.fill(2);
+    grid.cover({{home, 1}});
+    FieldLayout                             layout = basic_fields(dim);
+    const GimpShapeFunctions<dim>           gimp(layout);
+    const LinearShapeFunctions<dim>         linear(layout["body"]);
+    dealii::Particles::ParticleHandler<dim> particles(grid.triangulation(),
+                                                      grid.mapping(),
+                                                      layout.n_components());
+    particles.insert_particle(grid.corner(home),
+                              dealii::Point<dim>(),
+                              17,
+                              grid.cell_at(home));
+    Places<dim> places = linear.places(particles, grid);
+    for (unsigned int d = 0; d < dim; ++d)
+      places.positions[0][d] = 999.5;
+    places.cells[0]     = grid.lattice(places.positions[0]);
+    places.half_lengths = {dealii::Tensor<1, dim>()};
+    for (const ShapeFunctions<dim> *functions :
+         {static_cast<const ShapeFunctions<dim> *>(&gimp),
+          static_cast<const ShapeFunctions<dim> *>(&linear)})
+      test::check_throws_with([&] { functions->evaluate(places, grid); },
+                              {"particle 17", "999.5", "its rank"});
+  }
 } // namespace
 
 int
@@ -475,5 +515,7 @@ main(int argc, char *argv[])
   check_small_shares<3>();
   check_small_jump<2>();
   check_small_jump<3>();
+  check_unknown_cells<2>();
+  check_unknown_cells<3>();
   return test::report();
 }

@@ -60,7 +60,8 @@ namespace
   {
     double right, tolerance; ///< settlement, m; relative
     double kinetic;
-    double most_iterations = 3.3; ///< a step, on average
+    double most_iterations = 3.3;   ///< a step, on average
+    bool   may_warn        = false; ///< whether the detector may speak
   };
 
   template <int dim>
@@ -120,7 +121,10 @@ namespace
       test::check(run.ledger["kinetic_energy"] <= bounds.kinetic,
                   name + ": kinetic energy");
       test::check(n <= bounds.most_iterations, name + ": iterations");
-      test::check(test::n_warnings(run.notes) == 0,
+      const unsigned int n_warnings = test::n_warnings(run.notes);
+      if (n_warnings > 0)
+        std::cout << "  the detector warned\n";
+      test::check(n_warnings == 0 || bounds.may_warn,
                   name + ": the detector is silent");
     }
 
@@ -405,7 +409,10 @@ namespace
                     return bar(5.) - bar(5. - height);
                   }),
                   0.02,
-                  0.001 * 2. * 5. * 1000. * 10.});
+                  0.001 * 2. * 5. * 1000. * 10.,
+                  3.3,
+                  // a lattice that the grid cuts askew has gaps and overlaps
+                  /*may_warn=*/true});
   }
 
   /** 2 x 2 x 2.5 m, turned about its axis; free sides. */

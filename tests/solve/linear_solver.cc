@@ -146,6 +146,27 @@ main(int argc, char *argv[])
                   "an uneven mass is solved to round-off");
     }
 
+  // The second try of the map must be another one, also where GMRES is first:
+  // LU of the scaled matrix.
+  const auto first = make_linear_solver(SolverParameters(), 2000, 3);
+  for (const bool is_mass : {false, true})
+    {
+      x = 0.;
+      LinearResult result =
+        is_mass ? first->prepare_mass(uneven) : first->prepare(uneven);
+      test::check(result.is_solved, "uneven mass, automatic: prepared");
+      result = solve_to_round_off(*first, uneven, Constraints(), b, x);
+      std::cout << "uneven mass, automatic: " << result.iterations
+                << " iterations, |r|/|b| "
+                << uneven.residual(residual, x, b) / b.l2_norm() << '\n';
+      test::check((result.iterations == 0) == is_mass,
+                  "automatic: GMRES first, LU as the second try");
+      test::check(!is_mass ||
+                    (result.is_solved &&
+                     uneven.residual(residual, x, b) < 1e-14 * b.l2_norm()),
+                  "the second try solves an uneven mass to round-off");
+    }
+
   const auto small = make_linear_solver(SolverParameters(), 900, 3);
   test::check(small->name() == "direct (KLU)", "small systems: direct");
   return test::report();

@@ -235,6 +235,8 @@ namespace emmy
       "`test_columns turned`: a column of 10 t with a free side keeps 0.2 J of "
       "motion that should not be there; with Poisson's ratio 0.3, where its "
       "side swells across nodes, up to 4 J.\n"
+      "- The detector warns of columns whose lattice of points is turned, "
+      "though they are right within 1 % (`test_columns turned`).\n"
       "- With GIMP and `Starved threshold = 0.02` a lone particle at a tip can "
       "feed two nodes; the mass matrix is then singular, the Jacobian is not "
       "(*A body shifted through a cell*, `tip, GIMP, followers`).\n"

@@ -5,6 +5,7 @@
 #include <emmy/particles/stencils.h>
 #include <emmy/particles/tails.h>
 
+#include <optional>
 #include <tuple>
 
 namespace emmy
@@ -128,8 +129,11 @@ namespace emmy
                    const BackgroundGrid<dim> &grid,
                    const Entry               &entry);
 
-    /** The nodes of the cells of a group, x fastest; and those cells. */
-    void
+    /**
+     * The nodes of the cells of a group, x fastest; and those cells.
+     * @return false if this rank does not know them
+     */
+    bool
     add_nodes(const Entry               &entry,
               const BackgroundGrid<dim> &grid,
               Group                     &group,
@@ -192,6 +196,18 @@ namespace emmy
                    const double h,
                    const double below,
                    const double above);
+
+  /**
+   * Let all ranks stop together where a particle reaches a cell that its rank
+   * does not know. Collective; throws ExcRun.
+   * @param index among the places, of a particle of this rank that does;
+   *   nothing if none does
+   */
+  template <int dim>
+  void
+  stop_at_unknown_cell(const Places<dim>               &places,
+                       const std::optional<std::size_t> index,
+                       const BackgroundGrid<dim>       &grid);
 
   /**
    * Cells that any rank found to be active, @p found sorted and without
