@@ -3,6 +3,7 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
 #include <emmy/particles/body_measures.h>
+#include <emmy/particles/particle_count.h>
 #include <emmy/step/explicit_stepper.h>
 #include <emmy/step/step_size.h>
 #include <emmy/step/stepper.h>
@@ -298,6 +299,7 @@ namespace emmy
   {
     const auto scope = phases.scope("setup");
     boundary_conditions.check_run(parameters.time.latest_end());
+    refuse_too_many(bodies, grid, layout);
     grid.cover(occupied_cells(bodies, grid));
     particles.initialize(grid.triangulation(),
                          grid.mapping(),

@@ -162,6 +162,11 @@ refused 'Dimension in small letters' \
 rm less.prm
 
 echo "Bodies"
+for n in 27104 417301; do
+  refused_set "$n points per direction" \
+    'about|particles,|of them in body <block>: the|lower its Points per direction' \
+    "Bodies/block/Points per direction=$n"
+done
 refused 'body without particles' \
   'body <block> holds no particle|raise its Points per direction' \
   base.prm --set 'Bodies/block/Particle layout=cells' --set 'Bodies/block/box/Upper corner=1.01, 2'
