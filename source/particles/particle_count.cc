@@ -32,26 +32,26 @@ namespace emmy
     {
       return brief(bytes / 1e9) + " GB";
     }
-  } // namespace
 
-  template <int dim>
-  double
-  expected_particles(const Body<dim> &body, const BackgroundGrid<dim> &grid)
-  {
-    const auto box     = body.shape->bounding_box();
-    const auto spacing = ParticleLattice<dim>(body, grid).spacing();
-    double     in_grid = 1., one = 1.;
-    for (unsigned int d = 0; d < dim; ++d)
-      {
-        one *= spacing[d];
-        in_grid *=
-          std::max(0.,
-                   std::min(box.upper_bound(d), grid.upper_corner()[d]) -
-                     std::max(box.lower_bound(d), grid.lower_corner()[d]));
-      }
-    const double volume = body.shape->volume();
-    return (volume > 0. ? std::min(volume, in_grid) : in_grid) / one;
-  }
+    template <int dim>
+    double
+    expected_particles(const Body<dim> &body, const BackgroundGrid<dim> &grid)
+    {
+      const auto box     = body.shape->bounding_box();
+      const auto spacing = ParticleLattice<dim>(body, grid).spacing();
+      double     in_grid = 1., one = 1.;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          one *= spacing[d];
+          in_grid *=
+            std::max(0.,
+                     std::min(box.upper_bound(d), grid.upper_corner()[d]) -
+                       std::max(box.lower_bound(d), grid.lower_corner()[d]));
+        }
+      const double volume = body.shape->volume();
+      return (volume > 0. ? std::min(volume, in_grid) : in_grid) / one;
+    }
+  } // namespace
 
   template <int dim>
   void
@@ -91,10 +91,6 @@ namespace emmy
                    "(Grid/Cells).");
   }
 
-  template double
-  expected_particles<2>(const Body<2> &, const BackgroundGrid<2> &);
-  template double
-  expected_particles<3>(const Body<3> &, const BackgroundGrid<3> &);
   template void
   refuse_too_many<2>(const std::vector<Body<2>> &,
                      const BackgroundGrid<2> &,

@@ -7,16 +7,10 @@
 namespace emmy
 {
   /**
-   * About how many particles a body will have: its volume, or that of its box
-   * inside the grid if the shape does not know it, over that of a particle.
-   */
-  template <int dim>
-  double
-  expected_particles(const Body<dim> &body, const BackgroundGrid<dim> &grid);
-
-  /**
-   * Refuse bodies before their particles are made: more than have numbers, or
-   * than the memory of the machines holds. Collective; throws ExcRun.
+   * Refuse bodies before their particles are made: more than ids count, or than
+   * the memory of the machines holds. About as many are expected as a body's
+   * volume has room for, or its box inside the grid if its shape does not know
+   * the volume. Cost: none. Collective; throws ExcRun.
    */
   template <int dim>
   void

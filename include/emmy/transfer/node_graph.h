@@ -22,7 +22,7 @@ namespace emmy
    * straight at their places, without a search; rows that another rank owns go
    * through deal.II.
    *
-   * Owned by ActiveGrid. Cost: one number for each pair of nodes.
+   * Owned by ActiveGrid. Cost: dim + 1 numbers for each pair of nodes.
    */
   template <int dim>
   class NodeGraph
