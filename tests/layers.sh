@@ -13,10 +13,12 @@ cd "$1"
 order='
   app
   study
+  run
   output step
   solve
-  assembly
+  effects
   transfer
+  system
   particles
   grid
   material

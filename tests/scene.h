@@ -2,7 +2,7 @@
 #define emmy_tests_scene_h
 
 #include <emmy/output/ledger.h>
-#include <emmy/study/scene.h>
+#include <emmy/run/scene.h>
 
 #include <fstream>
 #include <string>

@@ -1,4 +1,4 @@
-#include <emmy/assembly/inertia.h>
+#include <emmy/effects/inertia.h>
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
 #include <emmy/step/stepper.h>

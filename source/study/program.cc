@@ -1,10 +1,10 @@
 #include <deal.II/base/mpi.h>
 
 #include <emmy/base/exceptions.h>
-#include <emmy/study/catalogue.h>
+#include <emmy/run/catalogue.h>
 #include <emmy/study/program.h>
-#include <emmy/study/run.h>
-#include <emmy/study/scene_parameters.h>
+#include <emmy/run/run.h>
+#include <emmy/run/scene_parameters.h>
 #include <emmy/study/study.h>
 #include <emmy/study/study_parameters.h>
 

@@ -1,6 +1,6 @@
 #include <emmy/base/exceptions.h>
-#include <emmy/study/run.h>
-#include <emmy/study/scene_parameters.h>
+#include <emmy/run/run.h>
+#include <emmy/run/scene_parameters.h>
 #include <emmy/study/study_runner.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include <emmy/transfer/active_cells.h>
+#include <emmy/system/active_cells.h>
 #include <emmy/transfer/roots.h>
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 // converge with second order in time and space; what the load puts in is in
 // the ledger; ranks agree.
 
-#include <emmy/assembly/manufactured_solution.h>
+#include <emmy/effects/manufactured_solution.h>
 #include <emmy/material/hencky.h>
 
 #include <map>

@@ -9,7 +9,7 @@
 #include <deal.II/base/mpi.h>
 
 #include <emmy/base/text.h>
-#include <emmy/study/scene_parameters.h>
+#include <emmy/run/scene_parameters.h>
 #include <emmy/transfer/particle_sort.h>
 
 #include <chrono>

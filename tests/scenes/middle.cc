@@ -2,7 +2,7 @@
 // conserves in small scenes with all that it may meet, on one rank and on
 // several; and that steps can be taken back. Columns are in columns.cc.
 
-#include <emmy/study/scene.h>
+#include <emmy/run/scene.h>
 
 #include <map>
 

@@ -1,7 +1,7 @@
 #ifndef emmy_tests_stability_suite_h
 #define emmy_tests_stability_suite_h
 
-#include <emmy/study/scene.h>
+#include <emmy/run/scene.h>
 
 #include <functional>
 #include <map>

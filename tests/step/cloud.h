@@ -1,10 +1,10 @@
 #ifndef emmy_tests_step_cloud_h
 #define emmy_tests_step_cloud_h
 
-#include <emmy/assembly/ghost_stabilisation.h>
-#include <emmy/assembly/gravity.h>
-#include <emmy/assembly/inertia.h>
-#include <emmy/assembly/internal_force.h>
+#include <emmy/effects/ghost_stabilisation.h>
+#include <emmy/effects/gravity.h>
+#include <emmy/effects/inertia.h>
+#include <emmy/effects/internal_force.h>
 #include <emmy/material/hencky.h>
 #include <emmy/material/von_mises.h>
 #include <emmy/particles/gimp.h>

@@ -2,7 +2,7 @@
 // agree with run.log and with the ledger. Runs on any number of ranks.
 
 #include <emmy/base/json.h>
-#include <emmy/study/run.h>
+#include <emmy/run/run.h>
 
 #include <boost/property_tree/json_parser.hpp>
 

@@ -3,7 +3,7 @@
 // l0 U_ii, and the extent of the moved corners with the volume of F. Without
 // deformation they stay, however often a particle is moved.
 
-#include <emmy/assembly/internal_force.h>
+#include <emmy/effects/internal_force.h>
 #include <emmy/material/hencky.h>
 #include <emmy/math/spectral.h>
 #include <emmy/particles/gimp.h>

@@ -4,7 +4,7 @@
 #include <emmy/output/ledger.h>
 #include <emmy/solve/newton.h>
 #include <emmy/step/velocity_map.h>
-#include <emmy/study/scene.h>
+#include <emmy/run/scene.h>
 
 #include <cmath>
 #include <iostream>

@@ -1,7 +1,7 @@
 #ifndef emmy_output_ledger_h
 #define emmy_output_ledger_h
 
-#include <emmy/assembly/step_report.h>
+#include <emmy/effects/step_report.h>
 
 #include <fstream>
 #include <string>

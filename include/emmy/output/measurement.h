@@ -1,7 +1,7 @@
 #ifndef emmy_output_measurement_h
 #define emmy_output_measurement_h
 
-#include <emmy/assembly/step_report.h>
+#include <emmy/effects/step_report.h>
 #include <emmy/base/effect_card.h>
 #include <emmy/base/library.h>
 #include <emmy/base/section.h>

@@ -47,7 +47,7 @@ namespace emmy
    *   worked in
    * @param start  a first guess of the singular vectors: without symmetry,
    *   and the same for every partition if the estimate is to be so.
-   *   condition_estimate() of step/doctor.h makes one.
+   *   condition_estimate() of step/small_cuts.h makes one.
    */
   ConditionEstimate
   condition_estimate(const Matrix                            &matrix,

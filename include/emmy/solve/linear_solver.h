@@ -3,7 +3,7 @@
 
 #include <emmy/base/linear_algebra.h>
 #include <emmy/base/section.h>
-#include <emmy/transfer/constraints.h>
+#include <emmy/system/constraints.h>
 
 #include <memory>
 #include <string>

@@ -1,7 +1,7 @@
 #ifndef emmy_solve_newton_h
 #define emmy_solve_newton_h
 
-#include <emmy/assembly/nonlinear_equation.h>
+#include <emmy/solve/nonlinear_equation.h>
 #include <emmy/base/phases.h>
 #include <emmy/solve/linear_solver.h>
 

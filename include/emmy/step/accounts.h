@@ -1,7 +1,7 @@
 #ifndef emmy_step_accounts_h
 #define emmy_step_accounts_h
 
-#include <emmy/assembly/balance.h>
+#include <emmy/step/balance.h>
 
 namespace emmy
 {

@@ -1,10 +1,10 @@
 #ifndef emmy_step_detector_h
 #define emmy_step_detector_h
 
-#include <emmy/assembly/step_report.h>
+#include <emmy/effects/step_report.h>
 #include <emmy/particles/field_layout.h>
 #include <emmy/particles/point_arrays.h>
-#include <emmy/transfer/active_grid.h>
+#include <emmy/system/active_grid.h>
 
 #include <string>
 

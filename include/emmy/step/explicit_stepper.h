@@ -1,7 +1,7 @@
 #ifndef emmy_step_explicit_stepper_h
 #define emmy_step_explicit_stepper_h
 
-#include <emmy/assembly/explicit_force.h>
+#include <emmy/effects/explicit_force.h>
 #include <emmy/step/accounts.h>
 #include <emmy/step/detector.h>
 #include <emmy/step/domains_of_step.h>

@@ -1,9 +1,9 @@
 #ifndef emmy_step_time_integrator_h
 #define emmy_step_time_integrator_h
 
-#include <emmy/assembly/balance.h>
-#include <emmy/assembly/step_report.h>
-#include <emmy/step/doctor.h>
+#include <emmy/step/balance.h>
+#include <emmy/effects/step_report.h>
+#include <emmy/step/small_cuts.h>
 #include <emmy/step/step_rule.h>
 #include <emmy/step/travel_limit.h>
 #include <emmy/transfer/domain_update.h>

@@ -4,7 +4,7 @@
 #include <emmy/base/effect_card.h>
 #include <emmy/particles/body.h>
 #include <emmy/particles/point_arrays.h>
-#include <emmy/transfer/active_grid.h>
+#include <emmy/system/active_grid.h>
 
 #include <memory>
 #include <string>

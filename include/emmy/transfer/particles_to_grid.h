@@ -4,7 +4,7 @@
 #include <emmy/base/phases.h>
 #include <emmy/particles/field_layout.h>
 #include <emmy/particles/point_arrays.h>
-#include <emmy/transfer/active_grid.h>
+#include <emmy/system/active_grid.h>
 
 #include <memory>
 

@@ -1,0 +1,44 @@
+#ifndef emmy_effects_field_load_h
+#define emmy_effects_field_load_h
+
+#include <emmy/effects/amplitude.h>
+#include <emmy/effects/force_term.h>
+
+namespace emmy
+{
+  /**
+   * A load that particles hold: f_A = a sum_p S_Ap w_p q, with w_p a scalar
+   * field of the particles, q a constant vector and a the amplitude of the
+   * step. Its work over a step is sum_p a w_p q . dx_p, exactly.
+   *
+   * Gravity: the mass and the acceleration. Point load: the share and the
+   * force. Owned by the balance; cost: one pass over the particles per try of
+   * a step.
+   */
+  template <int dim>
+  class FieldLoad : public StepLoad<dim>
+  {
+  public:
+    /**
+     * @param vector    q; w_p q in N
+     * @param component of w_p in the field layout
+     */
+    FieldLoad(const dealii::Tensor<1, dim> &vector,
+              const unsigned int            component,
+              Amplitude                     amplitude = Amplitude());
+
+    void
+    add(const StepData<dim> &step,
+        std::vector<double> &local_force) const override;
+    void
+    add_at_points(const StepData<dim> &step,
+                  std::vector<double> &point_force) const override;
+
+  private:
+    const dealii::Tensor<1, dim> vector;
+    const unsigned int           component;
+    const Amplitude              amplitude;
+  };
+} // namespace emmy
+
+#endif

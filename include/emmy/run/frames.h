@@ -1,0 +1,72 @@
+#ifndef emmy_run_frames_h
+#define emmy_run_frames_h
+
+#include <emmy/output/pictures.h>
+#include <emmy/output/run_directory.h>
+#include <emmy/output/series.h>
+#include <emmy/run/scene.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace emmy
+{
+  /**
+   * Writes particle and grid files at the times that the parameters ask for,
+   * and collects what the pictures show. Owned by the run. Cost: a pass over
+   * the particles per frame.
+   */
+  template <int dim>
+  class Frames
+  {
+  public:
+    /** Borrows all three. */
+    Frames(Scene<dim>                 &scene,
+           const SceneParameters<dim> &parameters,
+           const RunDirectory         &directory);
+
+    /** The state before the first step. Collective. */
+    void
+    initial();
+
+    /** After an accepted step: whatever became due. Collective. */
+    void
+    after(const StepReport &report);
+
+    /**
+     * The last state if it is not there yet, then the pictures. Collective.
+     *
+     * @param last        the last accepted step
+     * @param is_complete no step failed after it; after one that did, the
+     *   grid is that of the failed step and is not written
+     * @return warnings, one line each
+     */
+    std::vector<std::string>
+    finish(const StepReport &last, const bool is_complete);
+
+  private:
+    void
+    write_files(const double time, const bool with_grid);
+    void
+    write_particles(const double time);
+    void
+    write_grid(const double time);
+    void
+    take_picture(const double time);
+
+    Scene<dim>               &scene;
+    const OutputParameters   &wanted;
+    const double              end_time;
+    const RunDirectory       &directory;
+    const MPI_Comm            communicator;
+    const bool                is_first;
+    std::unique_ptr<Pictures> pictures; // none unless wanted
+    Series                    particle_series, grid_series;
+    std::vector<double>       picture_times;
+    unsigned int              n_pictures = 0, n_frames = 0, n_intervals = 0;
+    double                    last_frame = -1., last_picture = -1.;
+  };
+} // namespace emmy
+
+#endif

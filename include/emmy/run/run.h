@@ -1,0 +1,31 @@
+#ifndef emmy_run_run_h
+#define emmy_run_run_h
+
+#include <emmy/base/parameter_file.h>
+
+#include <deal.II/base/mpi.h>
+
+namespace emmy
+{
+  /** What the command line asks for besides a parameter file. */
+  struct RunOptions
+  {
+    bool only_check  = false; ///< describe the scene, run nothing
+    bool with_absent = false; ///< and what the absent effects would cost
+    bool overwrite   = false; ///< replace results of an earlier run
+    bool is_quiet    = false; ///< nothing on the screen; run.log as ever
+  };
+
+  /**
+   * Run the scene of a parameter file, or just describe it. Collective.
+   * Throws ExcParameter or ExcRun on all ranks; when a run stops on the way,
+   * all rows, frames and pictures up to the last accepted step are there.
+   */
+  template <int dim>
+  void
+  run(const ParameterFile &file,
+      const RunOptions    &options,
+      const MPI_Comm       communicator);
+} // namespace emmy
+
+#endif

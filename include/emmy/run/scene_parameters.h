@@ -1,0 +1,159 @@
+#ifndef emmy_run_scene_parameters_h
+#define emmy_run_scene_parameters_h
+
+#include <emmy/effects/force_term.h>
+#include <emmy/base/parameter_file.h>
+#include <emmy/grid/boundary_conditions.h>
+#include <emmy/material/material.h>
+#include <emmy/output/measurement.h>
+#include <emmy/particles/body.h>
+#include <emmy/solve/linear_solver.h>
+#include <emmy/step/small_cuts.h>
+#include <emmy/step/step_rule.h>
+#include <emmy/transfer/particles_to_grid.h>
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace emmy
+{
+  /** The entries before the first section. */
+  class GeneralParameters : public Section
+  {
+  public:
+    unsigned int dimension = 0;
+    std::string  title;
+
+    GeneralParameters();
+  };
+
+  /** A section that lists names, each with a section of its own. */
+  class NameList : public Section
+  {
+  public:
+    std::vector<std::string> names;
+
+    NameList(const std::string &path, const std::string &documentation);
+  };
+
+  /** Section `Method`. */
+  class MethodParameters : public Section
+  {
+  public:
+    std::string shape_functions    = "GIMP";
+    std::string domain_update      = "stretch";
+    std::string starved_nodes      = "follow";
+    double      starved_threshold  = 0.; // 0: by the shape functions
+    std::string mapping            = "FLIP";
+    double      flip_fraction      = -1.; // -1: not given
+    double      lumping            = 0.;
+    std::string stress_rule        = "conserving";
+    std::string wall_mapping       = "constrained";
+    std::string geometry           = "middle";
+    double      geometry_tolerance = 1e-8; // cells
+
+    /** @param shape_function_names the values of <Shape functions> */
+    explicit MethodParameters(
+      const std::vector<std::string> &shape_function_names);
+
+    /** Whether the grid is undeformed in the middle of a step. */
+    bool
+    is_at_middle(const TimeParameters &time) const;
+
+    /**
+     * What lets starved nodes follow, whether or not <Starved nodes> asks for
+     * it. Throws ExcParameter.
+     */
+    template <int dim>
+    std::unique_ptr<const Aggregation<dim>>
+    make_aggregation(const FieldLayout &layout) const;
+
+    /** Check what belongs to the mapping. Throws ExcParameter. */
+    PointMapping
+    make_mapping() const;
+  };
+
+  /** Section `Output`. */
+  class OutputParameters : public Section
+  {
+  public:
+    std::string         directory      = "results";
+    bool                overwrite      = false;
+    unsigned int        frames         = 20;
+    bool                particle_files = true, grid_files = true;
+    bool                pictures = true;
+    std::vector<double> picture_times; // s; empty: chosen by the run
+
+    OutputParameters();
+
+    /** Throws ExcParameter. */
+    void
+    validate() const;
+  };
+
+  /**
+   * All parameters of a scene: one struct per section, declared for the names
+   * that the file lists, then filled from the file. Only one may exist at a
+   * time, because deal.II's ParameterAcceptor keeps a global list.
+   */
+  template <int dim>
+  class SceneParameters
+  {
+  public:
+    /** Throws ExcParameter or ExcRun for anything unknown or misspelt. */
+    explicit SceneParameters(const ParameterFile &file);
+
+    /** Print all parameters with their values and documentation. */
+    void
+    print(std::ostream &out) const;
+
+  private:
+    /** Empties ParameterAcceptor's list of what an earlier scene left. */
+    struct Cleared
+    {
+      Cleared();
+    } cleared;
+
+  public:
+    GeneralParameters                                     general;
+    GridParameters<dim>                                   grid;
+    NameList                                              material_names;
+    std::vector<std::unique_ptr<MaterialParameters<dim>>> materials;
+    NameList                                              body_names;
+    std::vector<std::unique_ptr<BodyParameters<dim>>>     bodies;
+    BoundaryParameters                                    boundary_conditions;
+    NameList                                              effect_names;
+    /** By effect name: of all effects there are, named or not. */
+    std::map<std::string, std::unique_ptr<EffectParameters<dim>>> effects;
+    MethodParameters                                              method;
+    TimeParameters                                                time;
+    SolverParameters                                              solver;
+    DiagnosisParameters                                           diagnosis;
+    NameList                                                 measurement_names;
+    std::vector<std::unique_ptr<MeasurementParameters<dim>>> measurements;
+    OutputParameters                                         output;
+    /** Why starved nodes are free although the file does not say so; or empty.
+     */
+    std::string why_free;
+
+  private:
+    /** <Starved nodes> and <Geometry> in a file that does not name them. */
+    void
+    choose_method(const ParameterFile &file);
+  };
+
+  /** The dimension a file asks for: 2 or 3. Throws ExcParameter otherwise. */
+  unsigned int
+  dimension_of(const ParameterFile &file);
+
+  /**
+   * A file in three dimensions that names each material, shape and effect
+   * there is, so that its parameters are the reference of all parameters.
+   */
+  ParameterFile
+  reference_file();
+} // namespace emmy
+
+#endif

@@ -1,0 +1,243 @@
+#ifndef emmy_system_active_grid_h
+#define emmy_system_active_grid_h
+
+#include <deal.II/base/index_set.h>
+
+#include <deal.II/base/partitioner.h>
+
+#include <emmy/base/linear_algebra.h>
+#include <emmy/grid/boundary_conditions.h>
+#include <emmy/particles/stencils.h>
+#include <emmy/transfer/aggregation.h>
+#include <emmy/system/constraints.h>
+#include <emmy/transfer/ghost_faces.h>
+#include <emmy/system/node_graph.h>
+
+#include <vector>
+
+namespace emmy
+{
+  /**
+   * The part of the grid that particles touch, and the equations on it: the
+   * nodes of active cells, numbered without gaps over all ranks; the unknown
+   * of component c of node n is dim n + c. All other nodes carry no equation.
+   *
+   * Arrays over nodes are local to the rank: first the active nodes that it
+   * owns, in the order of their numbers, then those of its active cells, and
+   * of the roots of their nodes, that another rank owns.
+   *
+   * Made by the transfer when the set of active cells changes, kept
+   * otherwise. Cost: proportional to the rank's part of the grid's window.
+   */
+  template <int dim>
+  class ActiveGrid
+  {
+  public:
+    /** Whether there will be matrices on this grid. */
+    enum class Matrices
+    {
+      wanted,
+      none ///< no graph() is made
+    };
+
+    /**
+     * Collective.
+     * @param faces      whose nodes are to be coupled too
+     * @param aggregates nodes that follow others
+     */
+    ActiveGrid(const Stencils<dim>               &stencils,
+               const std::vector<GhostFace<dim>> &faces,
+               const Aggregates<dim>             &aggregates,
+               const BackgroundGrid<dim>         &grid,
+               const BoundaryConditions<dim>     &boundary_conditions,
+               const Matrices                     matrices = Matrices::wanted);
+
+    /**
+     * Whether these stencils have the same groups of nodes, and faces and
+     * followers are the same, so that numbering, constraints and sparsity can
+     * stay. Collective.
+     */
+    bool
+    fits(const Stencils<dim>               &stencils,
+         const std::vector<GhostFace<dim>> &faces,
+         const Aggregates<dim>             &aggregates) const;
+
+    /** Local indices of a group's nodes. */
+    const unsigned int *
+    nodes(const typename Stencils<dim>::Group &group) const
+    {
+      return group_nodes.data() + group.first_node;
+    }
+
+    /** Local indices of a face's nodes, in the order of the faces. */
+    const unsigned int *
+    face_nodes(const unsigned int face) const
+    {
+      return nodes_of_faces.data() + face * GhostFace<dim>::n_nodes;
+    }
+
+    unsigned int
+    n_local_nodes() const
+    {
+      return node_numbers.size();
+    }
+    unsigned int
+    n_owned_nodes() const
+    {
+      return node_partition->locally_owned_size();
+    }
+    dealii::types::global_dof_index
+    n_dofs() const
+    {
+      return owned_dofs.size();
+    }
+
+    /** The number of the first unknown of a local node. */
+    dealii::types::global_dof_index
+    first_dof(const unsigned int local_node) const
+    {
+      return dim * node_numbers[local_node];
+    }
+
+    const dealii::Point<dim> &
+    position(const unsigned int local_node) const
+    {
+      return node_positions[local_node];
+    }
+
+    /** A vector of unknowns, zero. No rank waits for another. */
+    Vector
+    make_vector() const;
+
+    /**
+     * A vector of unknowns with what the walls give on the fixed ones, and
+     * zero elsewhere.
+     */
+    Vector
+    on_walls(const BoundaryConditions<dim>                 &boundary_conditions,
+             const typename BoundaryConditions<dim>::Sides &sides) const;
+
+    /** The values of a vector at the local nodes: [dim * node + c]. Collective.
+     */
+    std::vector<double>
+    to_local(const Vector &vector) const;
+
+    /** Add an array over local nodes to a vector of unknowns. Collective. */
+    void
+    add(const std::vector<double> &local, Vector &vector) const;
+
+    /**
+     * Sum scalar arrays over local nodes over the ranks that share them;
+     * only the entries of owned nodes are complete afterwards. Collective.
+     */
+    void
+    sum_over_ranks(std::vector<double> &local) const;
+
+    /**
+     * Sum an array over local nodes, [node] or [dim * node + c], over the
+     * ranks that share them; all entries are complete afterwards. Collective.
+     */
+    void
+    share(std::vector<double> &local) const;
+
+    /**
+     * A vector of the unknowns of another grid over the same cells, on those
+     * of this one; where a node was not active, the values of @p otherwise.
+     * Collective.
+     */
+    Vector
+    carried_over(const ActiveGrid &from,
+                 const Vector     &vector,
+                 const Vector     &otherwise) const;
+
+    /** The owned entries of such an array as a vector of unknowns. */
+    Vector
+    to_vector(const std::vector<double> &local) const;
+
+    MPI_Comm
+    communicator() const;
+
+    /** Of the background grid, m. */
+    double
+    smallest_cell_size() const;
+
+    const dealii::IndexSet &
+    dofs() const
+    {
+      return owned_dofs;
+    }
+    /** Essential conditions, and nodes that follow others. */
+    const Constraints &
+    constraints() const
+    {
+      return conditions;
+    }
+
+    /** Adds to matrices on this grid. */
+    const NodeGraph<dim> &
+    graph() const
+    {
+      return node_graph;
+    }
+    /** Pattern of all matrices on this grid; empty if there are none. */
+    const dealii::TrilinosWrappers::SparsityPattern &
+    sparsity() const
+    {
+      return node_graph.pattern();
+    }
+
+    /** The active cells of this rank and the local indices of their nodes. */
+    const std::vector<typename BackgroundGrid<dim>::Cell> &
+    cells() const
+    {
+      return active_cells;
+    }
+    const std::array<unsigned int, BackgroundGrid<dim>::nodes_per_cell> &
+    cell_nodes(const unsigned int cell) const
+    {
+      return nodes_of_cell[cell];
+    }
+
+  private:
+    unsigned int
+    local_index(const dealii::types::global_dof_index grid_id) const;
+    void
+    number_nodes(const Stencils<dim> &stencils, const bool has_followers);
+    /** Essential conditions win: a fixed component does not follow. */
+    void
+    make_constraints(const BoundaryConditions<dim> &boundary_conditions,
+                     const bool                     has_followers);
+    void
+    make_graph(const Stencils<dim> &stencils);
+
+    const BackgroundGrid<dim> &grid;
+    /** Of the window for which this was made. */
+    std::shared_ptr<const dealii::Utilities::MPI::Partitioner> grid_nodes;
+    std::vector<typename BackgroundGrid<dim>::Cell>            active_cells;
+    std::vector<std::array<unsigned int, BackgroundGrid<dim>::nodes_per_cell>>
+      nodes_of_cell;
+
+    /** Grid ids of the local nodes and their local indices, sorted. */
+    std::vector<std::pair<dealii::types::global_dof_index, unsigned int>>
+                                                 local_index_of;
+    std::vector<dealii::types::global_dof_index> node_numbers;
+    std::vector<dealii::Point<dim>>              node_positions;
+    /** The stencils' node_ids and the same as local indices. */
+    std::vector<dealii::types::global_dof_index> group_node_ids;
+    std::vector<unsigned int>                    group_nodes;
+    /** The same of the faces. */
+    std::vector<dealii::types::global_dof_index> face_node_ids;
+    std::vector<unsigned int>                    nodes_of_faces;
+    std::vector<Follower<dim>>                   followers;
+
+    std::shared_ptr<const dealii::Utilities::MPI::Partitioner> node_partition,
+      dof_partition;
+    dealii::IndexSet owned_dofs, known_dofs;
+    Constraints      conditions;
+    NodeGraph<dim>   node_graph;
+    /** What make_vector() copies. */
+    Vector zero;
+  };
+} // namespace emmy
+
+#endif

@@ -1,0 +1,144 @@
+#ifndef emmy_system_node_graph_h
+#define emmy_system_node_graph_h
+
+#include <deal.II/base/index_set.h>
+
+#include <deal.II/lac/full_matrix.h>
+#include <deal.II/lac/trilinos_sparsity_pattern.h>
+
+#include <emmy/base/linear_algebra.h>
+#include <emmy/system/constraints.h>
+
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace emmy
+{
+  /**
+   * Which nodes of an active grid meet in its matrices, and where their
+   * entries stand. Nodes are local indices; dim unknowns follow each other at
+   * a node, and all of them meet. Small matrices of nodes that meet are added
+   * straight at their places, without a search; rows that another rank owns go
+   * through deal.II.
+   *
+   * Owned by ActiveGrid. Cost: dim + 1 numbers for each pair of nodes.
+   */
+  template <int dim>
+  class NodeGraph
+  {
+  public:
+    /** Nodes that all meet: [first, first + n) of an array. */
+    struct Clique
+    {
+      const unsigned int *nodes;
+      unsigned int        n;
+    };
+
+    /** Whether the conditions are worked into a matrix. */
+    enum class Conditions
+    {
+      worked_in,
+      left_out
+    };
+
+    /** None. */
+    NodeGraph()                  = default;
+    NodeGraph(const NodeGraph &) = delete;
+
+    /**
+     * Make it, and the pattern of the matrices. Once. Collective.
+     * @param cliques     of this rank; followers bring their roots along
+     * @param first_dofs  of each local node; owned nodes come first
+     * @param owned_dofs  those of this rank, without gaps
+     * @param known_dofs  those of all local nodes
+     */
+    void
+    make(const std::vector<Clique>                          &cliques,
+         const std::vector<dealii::types::global_dof_index> &first_dofs,
+         const dealii::IndexSet                             &owned_dofs,
+         const dealii::IndexSet                             &known_dofs,
+         const Constraints                                  &constraints,
+         const MPI_Comm                                      communicator);
+
+    const dealii::TrilinosWrappers::SparsityPattern &
+    pattern() const
+    {
+      return sparsity;
+    }
+
+    /**
+     * Add a matrix of the unknowns of some nodes that meet, with the
+     * conditions worked in.
+     * @param block (dim a + c, dim b + d) of unknowns c and d of the nodes a, b
+     */
+    void
+    add(const unsigned int               *nodes,
+        const dealii::FullMatrix<double> &block,
+        Matrix                           &matrix) const;
+
+    /** Add a matrix of nodes to each component of the unknowns. */
+    void
+    add_components(const unsigned int               *nodes,
+                   const dealii::FullMatrix<double> &nodal,
+                   const Conditions                  conditions,
+                   Matrix                           &matrix) const;
+
+  private:
+    using Dofs = std::vector<dealii::types::global_dof_index>;
+    /** Local unknowns, dim * node + c. */
+    using Unknowns = std::vector<unsigned int>;
+    /** Unknowns or indices, with weights. */
+    using Shares = std::vector<std::pair<unsigned int, double>>;
+
+    void
+    note_conditions(const Constraints &constraints);
+    void
+    find_neighbours(std::vector<Clique> cliques);
+    void
+    make_pattern(const dealii::IndexSet &owned_dofs,
+                 const dealii::IndexSet &known_dofs,
+                 const MPI_Comm          communicator);
+    void
+    find_places();
+
+    /** Fill place_of_unknown for the neighbours of an owned node. */
+    void
+    find_places_of(const unsigned int node) const;
+    /** C^T block C, into condensed, over the unknowns in extended. */
+    void
+    condense(const Unknowns                   &unknowns,
+             const dealii::FullMatrix<double> &block) const;
+    /** The same where some follow: their roots come behind in extended. */
+    void
+    hand_to_roots(const dealii::FullMatrix<double> &block) const;
+    void
+    scatter(const Unknowns                   &unknowns,
+            const dealii::FullMatrix<double> &block,
+            Matrix                           &matrix) const;
+
+    Dofs         first_dofs;
+    unsigned int n_owned = 0; ///< nodes
+    /** By local unknown: whether it has no condition, and whether it follows.
+     */
+    std::vector<char>                        is_free, is_following;
+    std::unordered_map<unsigned int, Shares> roots_of;
+
+    /** Neighbours of a node, sorted: from [first[node]] to [first[node + 1]].
+     */
+    std::vector<std::size_t>  first;
+    std::vector<unsigned int> neighbours;
+    /** Of the unknowns of the neighbours of owned nodes: index in the rows. */
+    std::vector<unsigned int>                 places;
+    dealii::TrilinosWrappers::SparsityPattern sparsity;
+
+    // work arrays of a call
+    mutable std::vector<unsigned int>  place_of_unknown, place_in_row;
+    mutable Unknowns                   list, extended;
+    mutable Dofs                       dofs;
+    mutable std::vector<Shares>        shares;
+    mutable dealii::FullMatrix<double> half_condensed, condensed;
+  };
+} // namespace emmy
+
+#endif

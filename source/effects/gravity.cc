@@ -1,0 +1,53 @@
+#include <emmy/effects/gravity.h>
+
+namespace emmy
+{
+  template <int dim>
+  GravityParameters<dim>::GravityParameters(const std::string &section)
+    : EffectParameters<dim>(section)
+  {
+    this->add_parameter("Acceleration",
+                        acceleration,
+                        "Components of the acceleration, separated by commas: "
+                        "0, -9.81. Unit: m/s^2. "
+                        "Required if gravity is named.",
+                        this->prm,
+                        dealii::Patterns::List(dealii::Patterns::Double(),
+                                               0,
+                                               dim));
+    amplitude.declare(*this);
+  }
+
+  template <int dim>
+  void
+  GravityParameters<dim>::add_to(Effects<dim> &effects,
+                                 FieldLayout  &layout) const
+  {
+    AssertThrow(acceleration.size() == dim,
+                ExcParameter(this->path(),
+                             "Acceleration",
+                             dealii::Patterns::Tools::to_string(acceleration),
+                             "it is required: " + std::to_string(dim) +
+                               " components in m/s^2, separated by commas, "
+                               "e.g. " +
+                               (dim == 2 ? "0, -9.81." : "0, 0, -9.81.")));
+    dealii::Tensor<1, dim> g;
+    for (unsigned int d = 0; d < dim; ++d)
+      g[d] = acceleration[d];
+    effects.loads.push_back(std::make_unique<Gravity<dim>>(
+      g, layout["mass"], Amplitude(amplitude, this->path())));
+  }
+
+  template <int dim>
+  EffectCard
+  GravityParameters<dim>::card()
+  {
+    EffectCard card;
+    card.enters         = "loads of the step, before Newton";
+    card.ledger_columns = {"load_work"};
+    return card;
+  }
+
+  template class GravityParameters<2>;
+  template class GravityParameters<3>;
+} // namespace emmy

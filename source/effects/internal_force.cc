@@ -1,0 +1,235 @@
+#include <emmy/effects/internal_force.h>
+#include <emmy/effects/moving_places.h>
+
+#include <algorithm>
+
+namespace emmy
+{
+  namespace
+  {
+    /** Add V0 grad S_a . dP/dH . grad S_b of a batch to the group's matrix. */
+    template <int dim>
+    void
+    add_stiffness(const Stencils<dim>                 &stencils,
+                  const typename Stencils<dim>::Group &group,
+                  const unsigned int                   first,
+                  const double                        *volume,
+                  const StressBatch<dim>              &batch,
+                  dealii::FullMatrix<double>          &stiffness)
+    {
+      const unsigned int  n = group.n_nodes, n_columns = dim * n;
+      std::vector<double> half(dim * dim * n_columns);
+      for (unsigned int q = 0; q < batch.n_points; ++q)
+        {
+          // half_(iJ)(bm) = V0 sum_L (dP_iJ/dH_mL) dS_b/dx_L
+          for (unsigned int b = 0; b < n; ++b)
+            {
+              dealii::Tensor<1, dim> slope;
+              for (unsigned int L = 0; L < dim; ++L)
+                slope[L] =
+                  volume[q] * stencils.gradient(group, b, L)[first + q];
+              for (unsigned int iJ = 0; iJ < dim * dim; ++iJ)
+                for (unsigned int m = 0; m < dim; ++m)
+                  {
+                    double sum = 0.;
+                    for (unsigned int L = 0; L < dim; ++L)
+                      sum += batch.tangent[q][iJ][m * dim + L] * slope[L];
+                    half[iJ * n_columns + b * dim + m] = sum;
+                  }
+            }
+          for (unsigned int a = 0; a < n; ++a)
+            for (unsigned int J = 0; J < dim; ++J)
+              {
+                const double slope = stencils.gradient(group, a, J)[first + q];
+                for (unsigned int i = 0; i < dim; ++i)
+                  {
+                    double       *row    = &stiffness(dim * a + i, 0);
+                    const double *factor = &half[(i * dim + J) * n_columns];
+                    for (unsigned int c = 0; c < n_columns; ++c)
+                      row[c] += slope * factor[c];
+                  }
+              }
+        }
+    }
+  } // namespace
+
+  template <int dim>
+  InternalForce<dim>::InternalForce(
+    std::vector<const Material<dim> *> material_of_body,
+    FieldLayout                       &layout,
+    const StressRule<dim>             &rule,
+    std::vector<std::string>           names)
+    : rule(rule)
+    , states(std::move(material_of_body), std::move(names), layout)
+  {}
+
+  template <int dim>
+  EffectCard
+  InternalForce<dim>::card()
+  {
+    EffectCard card = StressStates<dim>::card();
+    card.enters     = "Newton: stress of the particles";
+    return card;
+  }
+
+  template <int dim>
+  std::string
+  InternalForce<dim>::add(const StepData<dim> &step,
+                          const Iterate<dim>  &iterate,
+                          Vector              &force,
+                          Matrix              *jacobian) const
+  {
+    // too large for the stack of a thread
+    const auto work          = std::make_unique<Assembly>();
+    work->batch.with_tangent = jacobian != nullptr;
+    work->nodal_force.resize(dim * step.start.active->n_local_nodes());
+
+    const std::string problem = states.for_each_group(
+      step.stencils, step.phases, [&](const Group &group) {
+        return add_group(step, iterate, group, *work, jacobian);
+      });
+    step.start.active->add(work->nodal_force,
+                           force); // collective: also after a problem
+    return problem;
+  }
+
+  template <int dim>
+  std::string
+  InternalForce<dim>::add_group(const StepData<dim> &step,
+                                const Iterate<dim>  &iterate,
+                                const Group         &group,
+                                Assembly            &work,
+                                Matrix              *jacobian) const
+  {
+    const ActiveGrid<dim> &active = *step.start.active;
+    const unsigned int    *nodes  = active.nodes(group);
+    if (jacobian)
+      work.stiffness.reinit(dim * group.n_nodes, dim * group.n_nodes);
+
+    for (unsigned int first = 0; first < group.n_points;
+         first += max_batch_points)
+      {
+        const std::size_t  point    = group.first_point + first;
+        const unsigned int inverted = evaluate(step,
+                                               group,
+                                               first,
+                                               iterate.local_displacement,
+                                               work.batch,
+                                               work.middle);
+        if (inverted < work.batch.n_points)
+          return inverted_particle(step.stencils, point + inverted);
+
+        states.write(work.batch, step.points, group.body, point, iterate.trial);
+        const double *volumes = states.reference_volumes(step.points) + point;
+        add_forces(step.stencils,
+                   group,
+                   first,
+                   volumes,
+                   nodes,
+                   work.batch,
+                   work.nodal_force);
+        if (jacobian)
+          add_stiffness(
+            step.stencils, group, first, volumes, work.batch, work.stiffness);
+        if (jacobian && step.moving)
+          step.moving->add(step,
+                           iterate.local_displacement,
+                           group,
+                           first,
+                           work.batch,
+                           &work.middle.from_start(0),
+                           volumes,
+                           work.stiffness);
+      }
+
+    if (jacobian)
+      active.graph().add(nodes, work.stiffness, *jacobian);
+    return {};
+  }
+
+  template <int dim>
+  unsigned int
+  InternalForce<dim>::evaluate(const StepData<dim>       &step,
+                               const Group               &group,
+                               const unsigned int         first,
+                               const std::vector<double> &local_displacement,
+                               StressBatch<dim>          &batch,
+                               MiddleStep<dim>           &middle) const
+  {
+    const std::size_t point = group.first_point + first;
+    batch.n_points = std::min(max_batch_points, group.n_points - first);
+    displacement_gradients(step.stencils,
+                           group,
+                           first,
+                           local_displacement.data(),
+                           step.start.active->nodes(group),
+                           batch);
+    states.read(step.points, group.body, point, batch);
+    if (!step.stencils.at_middle)
+      return rule.evaluate(states.material(group.body), batch);
+    unsigned int inverted = middle.to_start(batch);
+    if (inverted == batch.n_points)
+      inverted = rule.evaluate(states.material(group.body), batch);
+    if (inverted == batch.n_points)
+      middle.to_middle(batch);
+    return inverted;
+  }
+
+  template <int dim>
+  double
+  InternalForce<dim>::work(const StepData<dim> &step,
+                           const Vector        &displacement) const
+  {
+    const auto    local  = step.start.active->to_local(displacement);
+    const double *volume = states.reference_volumes(step.points);
+    const auto    batch  = std::make_unique<StressBatch<dim>>();
+    batch->with_tangent  = false;
+    MiddleStep<dim> middle;
+    double          result = 0.;
+    for (const Group &group : step.stencils.groups)
+      for (unsigned int first = 0; first < group.n_points;
+           first += max_batch_points)
+        {
+          evaluate(step, group, first, local, *batch, middle);
+          for (unsigned int q = 0; q < batch->n_points; ++q)
+            result += volume[group.first_point + first + q] *
+                      scalar_product(batch->nominal_stress[q],
+                                     batch->displacement_gradient[q]);
+        }
+    return result;
+  }
+
+  template <int dim>
+  std::vector<EnergyEntry>
+  InternalForce<dim>::energies(const StepData<dim>    &step,
+                               const Vector           &displacement,
+                               const PointArrays<dim> &accepted) const
+  {
+    std::vector<EnergyEntry> entries = states.energies(step.points, accepted);
+    if (!rule.is_conserving)
+      {
+        const auto timed = effect_scope(step.phases, stress_rule_effect);
+        double     known = 0.;
+        for (const EnergyEntry &entry : entries)
+          known += entry.change;
+        entries.push_back({"stress_rule_loss",
+                           EnergyEntry::Kind::dissipated,
+                           work(step, displacement) - known});
+      }
+    return entries;
+  }
+
+  template <int dim>
+  std::vector<EnergyEntry>
+  InternalForce<dim>::energy_entries() const
+  {
+    std::vector<EnergyEntry> entries = states.energy_entries();
+    if (!rule.is_conserving)
+      entries.push_back(
+        {"stress_rule_loss", EnergyEntry::Kind::dissipated, 0.});
+    return entries;
+  }
+
+  template class InternalForce<2>;
+  template class InternalForce<3>;
+} // namespace emmy

@@ -1,0 +1,250 @@
+#include <emmy/output/data_file.h>
+#include <emmy/run/frames.h>
+
+#include <algorithm>
+
+namespace emmy
+{
+  namespace
+  {
+    /** More particles than this are thinned out in pictures. */
+    constexpr std::size_t max_drawn_particles = 200000;
+
+    template <int dim>
+    std::vector<double>
+    default_picture_times(const double end_time)
+    {
+      std::vector<double> times;
+      for (unsigned int i = 0; i < 5; ++i) // finish() adds the end
+        times.push_back(end_time * i / 5.);
+      return times;
+    }
+  } // namespace
+
+  template <int dim>
+  Frames<dim>::Frames(Scene<dim>                 &scene,
+                      const SceneParameters<dim> &parameters,
+                      const RunDirectory         &directory)
+    : scene(scene)
+    , wanted(parameters.output)
+    , end_time(parameters.time.end_time)
+    , directory(directory)
+    , communicator(scene.grid.communicator())
+    , is_first(dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
+    , pictures(wanted.pictures
+                 ? std::make_unique<Pictures>(directory.path(),
+                                              parameters.general.title.empty()
+                                                ? directory.path()
+                                                : parameters.general.title)
+                 : nullptr)
+    , particle_series(directory.path(), "particles", communicator)
+    , grid_series(directory.path(), "grid", communicator)
+    , picture_times(wanted.picture_times.empty()
+                      ? default_picture_times<dim>(end_time)
+                      : wanted.picture_times)
+  {
+    std::sort(picture_times.begin(), picture_times.end());
+  }
+
+  template <int dim>
+  void
+  Frames<dim>::initial()
+  {
+    // the grid has no motion yet, so there is no grid file
+    if (wanted.frames > 0)
+      write_files(0., /*with_grid=*/false);
+    while (n_pictures < picture_times.size() && picture_times[n_pictures] <= 0.)
+      ++n_pictures;
+    if (pictures && n_pictures > 0)
+      take_picture(0.);
+  }
+
+  template <int dim>
+  void
+  Frames<dim>::after(const StepReport &report)
+  {
+    const auto scope = scene.phases.scope("output");
+    const auto due   = static_cast<unsigned int>(
+      wanted.frames * std::min(1., report.time / end_time * (1. + 1e-12)));
+    if (due > n_intervals)
+      {
+        n_intervals = due;
+        write_files(report.time, /*with_grid=*/true);
+      }
+    // the step that ends nearest to a wanted time
+    const double reached           = report.time + 0.5 * report.time_step;
+    const auto   n_pictures_so_far = n_pictures;
+    while (n_pictures < picture_times.size() &&
+           picture_times[n_pictures] <= reached)
+      ++n_pictures;
+    if (pictures && n_pictures > n_pictures_so_far)
+      take_picture(report.time);
+  }
+
+  template <int dim>
+  std::vector<std::string>
+  Frames<dim>::finish(const StepReport &last, const bool is_complete)
+  {
+    const auto scope = scene.phases.scope("pictures");
+    if (wanted.frames > 0 && last_frame < last.time)
+      write_files(last.time, /*with_grid=*/is_complete);
+    if (!pictures)
+      return {};
+    if (last_picture < last.time && wanted.picture_times.empty())
+      take_picture(last.time);
+    return is_first ? pictures->draw() : std::vector<std::string>();
+  }
+
+  template <int dim>
+  void
+  Frames<dim>::write_files(const double time, const bool with_grid)
+  {
+    if (wanted.particle_files)
+      write_particles(time);
+    if (wanted.grid_files && with_grid)
+      write_grid(time);
+    last_frame = time;
+    ++n_frames;
+  }
+
+  template <int dim>
+  void
+  Frames<dim>::write_particles(const double time)
+  {
+    std::vector<FieldDescription> fields{{"id", 1, "1", "particle id"}};
+    for (const Field &field : scene.layout.fields())
+      fields.push_back(
+        {field.written_name(),
+         field.kind == Field::Kind::tensor ? 9 : field.n_components,
+         field.unit,
+         field.description});
+
+    DataFile<0, dim> file(fields);
+    file.reserve(scene.particles.n_locally_owned_particles());
+    std::vector<double> values;
+    for (const auto &particle : scene.particles)
+      {
+        const auto properties = particle.get_properties();
+        values.assign(1, particle.get_id());
+        for (const Field &field : scene.layout.fields())
+          if (field.kind == Field::Kind::tensor)
+            for (unsigned int i = 0; i < 3; ++i)
+              for (unsigned int j = 0; j < 3; ++j)
+                values.push_back(i < dim && j < dim
+                                   ? properties[field.offset + dim * i + j]
+                                   : (i == j ? 1. : 0.));
+          else
+            for (unsigned int c = 0; c < field.n_components; ++c)
+              {
+                const bool is_shear =
+                  field.kind == Field::Kind::symmetric_tensor && c >= dim &&
+                  c < n_in_plane<dim>;
+                values.push_back(
+                  field.written(c, properties[field.offset + c]) /
+                  (is_shear ? mandel::sqrt2 : 1.));
+              }
+        file.add_point(particle.get_location(),
+                       dealii::ArrayView<const double>(values.data(),
+                                                       values.size()));
+      }
+    const std::string name =
+      file.write(directory.path(), "particles", n_frames, time, communicator);
+    particle_series.add(time, name);
+  }
+
+  template <int dim>
+  void
+  Frames<dim>::write_grid(const double time)
+  {
+    const GridStart<dim>  &start        = scene.stepper->grid_start();
+    const ActiveGrid<dim> &active       = *start.active;
+    const auto             old_velocity = active.to_local(start.velocity);
+    const auto new_velocity = active.to_local(scene.stepper->grid_velocity());
+    const auto mass         = scene.stepper->nodal_mass();
+
+    std::vector<FieldDescription> fields{
+      {"velocity_old", dim, "m/s", "velocity at the start of the step"},
+      {"velocity_new", dim, "m/s", "velocity at the end of the step"},
+      {"mass", 1, "kg", "nodal mass, sum of S m"}};
+    const StepDiagnosis<dim> *diagnosis = scene.stepper->diagnosis();
+    if (diagnosis)
+      for (const std::string name : {"mass", "jacobian"})
+        fields.push_back({name + "_weakness",
+                          1,
+                          "1",
+                          "how far the vector that the scaled " + name +
+                            " matrix sees least goes here; 1: the weakest"});
+    DataFile<dim, dim> file(fields);
+    file.reserve(active.cells().size());
+    std::vector<double> values;
+    for (unsigned int cell = 0; cell < active.cells().size(); ++cell)
+      {
+        std::array<dealii::Point<dim>, BackgroundGrid<dim>::nodes_per_cell>
+          vertices;
+        values.clear();
+        for (unsigned int v = 0; v < vertices.size(); ++v)
+          {
+            const unsigned int node = active.cell_nodes(cell)[v];
+            vertices[v]             = active.position(node);
+            for (unsigned int c = 0; c < dim; ++c)
+              values.push_back(old_velocity[dim * node + c]);
+            for (unsigned int c = 0; c < dim; ++c)
+              values.push_back(new_velocity[dim * node + c]);
+            values.push_back(mass[node]);
+            if (diagnosis)
+              values.insert(values.end(),
+                            {diagnosis->mass.weakness[node],
+                             diagnosis->jacobian.weakness[node]});
+          }
+        file.add_cell(vertices,
+                      dealii::ArrayView<const double>(values.data(),
+                                                      values.size()));
+      }
+    const std::string name =
+      file.write(directory.path(), "grid", n_frames, time, communicator);
+    grid_series.add(time, name);
+  }
+
+  template <int dim>
+  void
+  Frames<dim>::take_picture(const double time)
+  {
+    last_picture = time;
+
+    const std::size_t stride =
+      1 + scene.particles.n_global_particles() / max_drawn_particles;
+    const unsigned int energy = scene.layout["strain_energy_density"];
+    std::vector<dealii::Point<dim>> positions;
+    std::vector<double>             values;
+    for (const auto &particle : scene.particles)
+      if (particle.get_id() % stride == 0)
+        {
+          positions.push_back(particle.get_location());
+          values.push_back(particle.get_properties()[energy]);
+        }
+    const auto all_positions =
+      dealii::Utilities::MPI::gather(communicator, positions);
+    const auto all_values =
+      dealii::Utilities::MPI::gather(communicator, values);
+    if (!is_first)
+      return;
+    for (unsigned int rank = 1; rank < all_positions.size(); ++rank)
+      {
+        positions.insert(positions.end(),
+                         all_positions[rank].begin(),
+                         all_positions[rank].end());
+        values.insert(values.end(),
+                      all_values[rank].begin(),
+                      all_values[rank].end());
+      }
+    pictures->add_snapshot<dim>(time,
+                                positions,
+                                values,
+                                scene.grid.lower_corner(),
+                                scene.grid.upper_corner(),
+                                scene.grid.n_cells());
+  }
+
+  template class Frames<2>;
+  template class Frames<3>;
+} // namespace emmy

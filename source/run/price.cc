@@ -1,0 +1,195 @@
+#include <emmy/base/exceptions.h>
+#include <emmy/base/json.h>
+#include <emmy/base/text.h>
+#include <emmy/run/price.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iomanip>
+#include <ostream>
+
+namespace emmy
+{
+  namespace
+  {
+    /** Add what another phase or part took. */
+    void
+    add_times(Phases::Row &sum, const Phases::Row &row)
+    {
+      sum.calls += row.calls;
+      sum.seconds += row.seconds;
+      sum.mean_seconds += row.mean_seconds;
+      sum.points += row.points;
+      sum.iterations += row.iterations;
+    }
+
+    JsonObject
+    json_of(const Phases::Row &row, const double total)
+    {
+      JsonObject object;
+      object.add("name", row.name);
+      if (!row.within.empty())
+        object.add("within", row.within);
+      object.add("calls", row.calls);
+      object.add("seconds", row.seconds);
+      object.add("mean_seconds", row.mean_seconds);
+      object.add("share_percent", total > 0. ? 100. * row.seconds / total : 0.);
+      if (row.points > 0.)
+        {
+          object.add("points", row.points);
+          object.add("points_per_second", row.points_per_second());
+        }
+      if (row.iterations > 0.)
+        object.add("linear_iterations", row.iterations);
+      return object;
+    }
+
+    /** The sum of a column of the ledger. */
+    double
+    sum_of(const Ledger &ledger, const std::string &column)
+    {
+      const auto &names = ledger.columns();
+      const auto  c =
+        std::find(names.begin(), names.end(), column) - names.begin();
+      double sum = 0.;
+      for (const Ledger::Row &row : ledger.rows())
+        sum += row[c];
+      return sum;
+    }
+  } // namespace
+
+  Price::Price(const Phases                  &phases,
+               const std::vector<EffectCard> &cards,
+               const MPI_Comm                 communicator)
+    : phases(phases)
+    , communicator(communicator)
+    , phase_rows(phases.rows())
+    , total(phases.total_seconds())
+  {
+    const std::vector<Phases::Row> booked = phases.effects();
+    const auto find = [](const std::vector<Phases::Row> &rows,
+                         const std::string              &name) {
+      return std::find_if(rows.begin(), rows.end(), [&](const auto &row) {
+        return row.name == name;
+      });
+    };
+    std::vector<std::string> told;
+    for (const EffectCard &card : cards)
+      {
+        Line line;
+        line.time.name = card.name;
+        // the first has what several share, as all loads do their work
+        for (const std::string &column : card.ledger_columns)
+          if (std::find(told.begin(), told.end(), column) == told.end())
+            {
+              told.push_back(column);
+              line.ledger_columns.push_back(column);
+            }
+        if (const auto row = find(booked, card.name); row != booked.end())
+          line.time = *row;
+        for (const std::string &phase : card.phases)
+          if (const auto row = find(phase_rows, phase); row != phase_rows.end())
+            add_times(line.time, *row);
+        lines.push_back(line);
+      }
+
+    dealii::Utilities::System::MemoryStats memory; // in kB
+    dealii::Utilities::System::get_memory_stats(memory);
+    const auto over_ranks =
+      dealii::Utilities::MPI::min_max_avg(1024. * memory.VmHWM, communicator);
+    largest_memory = over_ranks.max;
+    sum_of_memory  = over_ranks.sum;
+  }
+
+  void
+  Price::print(std::ostream &out, const Ledger &ledger) const
+  {
+    phases.print(out, phase_rows, total);
+
+    constexpr std::size_t indent = 2;
+    std::size_t           width  = 16;
+    for (const Line &line : lines)
+      width = std::max(width,
+                       line.time.name.size() +
+                         (line.time.within.empty() ? 0 : indent));
+    const bool has_iterations =
+      std::any_of(lines.begin(), lines.end(), [](const Line &line) {
+        return line.time.iterations > 0.;
+      });
+    const std::string headings =
+      time_headings("effect", width) + (has_iterations ? "  iterations" : "");
+    out << '\n'
+        << headings << '\n'
+        << std::string(headings.size(), '-') << '\n';
+    for (const Line &line : lines)
+      {
+        Phases::Row time = line.time;
+        if (!time.within.empty())
+          time.name = std::string(indent, ' ') + time.name;
+        out << time_line(time, total, width) << '\n';
+        for (const EnergyEntry &entry : ledger.energies())
+          if (std::count(line.ledger_columns.begin(),
+                         line.ledger_columns.end(),
+                         entry.name) > 0)
+            out << "    " << std::left << std::setw(width + 10) << entry.name
+                << std::right << ' ' << entry.change << " J\n";
+      }
+    out << "memory at its peak " << brief(largest_memory / 1e6)
+        << " MB on one rank, " << brief(sum_of_memory / 1e6) << " MB on all\n";
+  }
+
+  void
+  Price::write_json(const std::string &filename,
+                    const Ledger      &ledger,
+                    const RunCounts   &counts) const
+  {
+    JsonObject json;
+    json.add("version", std::string(EMMY_VERSION));
+    json.add("ranks",
+             double(dealii::Utilities::MPI::n_mpi_processes(communicator)));
+    json.add("steps", double(counts.steps));
+    json.add("halvings", double(counts.halvings));
+    json.add("damped_steps", double(counts.damped));
+    for (const char *column : {"newton_iterations", "linear_iterations"})
+      json.add(column, sum_of(ledger, column));
+    json.add("peak_memory_bytes", sum_of_memory);
+    json.add("peak_memory_bytes_of_a_rank", largest_memory);
+    json.add("total_seconds", total);
+    json.add("seconds_outside_phases",
+             Phases::seconds_outside(phase_rows, total));
+
+    std::vector<JsonObject> list;
+    for (const Phases::Row &row : phase_rows)
+      list.push_back(json_of(row, total));
+    json.add("phases", list);
+    list.clear();
+    for (const Line &line : lines)
+      {
+        JsonObject effect = json_of(line.time, total), energies;
+        for (const EnergyEntry &entry : ledger.energies())
+          if (std::count(line.ledger_columns.begin(),
+                         line.ledger_columns.end(),
+                         entry.name) > 0)
+            energies.add(entry.name, entry.change);
+        effect.add("energies", energies);
+        list.push_back(effect);
+      }
+    json.add("effects", list);
+    for (const char *column : {"residual_work", "balance_error"})
+      json.add(column, ledger[column]);
+
+    std::string problem;
+    if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
+      {
+        std::ofstream out(filename);
+        out << json.text() << std::flush;
+        if (!out)
+          problem = "the file <" + filename + "> cannot be written";
+      }
+    throw_together(communicator,
+                   "Writing the price of the run",
+                   problem,
+                   "check that its folder exists, may be written to, and "
+                   "that the disk is not full.");
+  }
+} // namespace emmy

@@ -1,0 +1,270 @@
+#include <emmy/base/exceptions.h>
+#include <emmy/base/text.h>
+#include <emmy/output/ledger.h>
+#include <emmy/output/progress.h>
+#include <emmy/output/run_directory.h>
+#include <emmy/run/frames.h>
+#include <emmy/run/price.h>
+#include <emmy/run/run.h>
+#include <emmy/run/scene_card.h>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <exception>
+#include <fstream>
+#include <iostream>
+#include <sstream>
+
+namespace emmy
+{
+  namespace
+  {
+    /** What stands in the file but has no effect. */
+    template <int dim>
+    void
+    list_unused(const ParameterFile        &file,
+                const SceneParameters<dim> &parameters,
+                std::ostream               &out)
+    {
+      const auto &named = parameters.effect_names.names;
+      for (const std::string &effect : effect_library<dim>().names())
+        if (file.has_section(effect_section(effect)) &&
+            std::find(named.begin(), named.end(), effect) == named.end())
+          out << "  note: section " << effect_section(effect)
+              << " is not used, because Effects/Names does not list <" << effect
+              << ">\n";
+      const std::string &rule = parameters.time.step_rule;
+      if (rule != "fixed" && !file.value("Time/Step size", "").empty())
+        out << "  note: Time/Step size is not used, because Time/Step rule is <"
+            << rule << ">; set Step rule = fixed, or remove it\n";
+    }
+
+    /** A line if the last step went beyond the end time; or nothing. */
+    void
+    tell_of_overshoot(const TimeParameters &limits,
+                      const double          time,
+                      std::ostream         &out)
+    {
+      if (time > limits.end_time * (1. + 1e-9))
+        out << "note: the run ended at t = " << time << " s, "
+            << time - limits.end_time
+            << " s after End time, as Time/Shorten last step is false\n";
+    }
+
+    /** What is known of a run on the way. */
+    struct Course
+    {
+      StepReport report;              ///< of the last accepted step
+      double     largest_energy = 0.; ///< of all steps, J
+      RunCounts  counts;
+    };
+
+    /** The closing lines of a run: what was conserved, and how well. */
+    void
+    summarise(std::ostream     &out,
+              const Ledger     &ledger,
+              const StepReport &initial,
+              const Course     &course)
+    {
+      double smallest = 0., largest = 0.;
+      for (unsigned int row = 1; row < ledger.rows().size(); ++row)
+        {
+          const double dt = ledger.rows()[row][2];
+          smallest        = row == 1 ? dt : std::min(smallest, dt);
+          largest         = std::max(largest, dt);
+        }
+      out << "steps " << ledger["step"] << ", t = " << ledger["time"]
+          << " s, time step " << smallest << " to " << largest << " s\n"
+          << "kinetic + stored energy " << ledger.total_energy()
+          << " J, at the start " << initial.totals.kinetic_energy << " J\n";
+      out << "work of residuals " << ledger["residual_work"] << " J\n"
+          << "balance error " << ledger["balance_error"] << " J";
+      if (course.largest_energy > 0.)
+        out << ", " << std::abs(ledger["balance_error"]) / course.largest_energy
+            << " of the largest energy";
+      out << '\n';
+      const auto &names = ledger.columns();
+      for (const auto &[column, matrix] :
+           {std::make_pair("mass_condition", "mass matrix"),
+            std::make_pair("jacobian_condition", "Jacobian")})
+        {
+          const auto name =
+            std::find(names.begin(), names.end(), column) - names.begin();
+          if (name == static_cast<std::ptrdiff_t>(names.size()))
+            continue;
+          const auto &worst =
+            *std::max_element(ledger.rows().begin(),
+                              ledger.rows().end(),
+                              [name](const auto &a, const auto &b) {
+                                return a[name] < b[name];
+                              });
+          out << "largest condition of the scaled " << matrix << ' '
+              << worst[name] << ", at step " << worst[0] << '\n';
+        }
+      if (course.counts.halvings > 0)
+        out << "times a step was halved: " << course.counts.halvings
+            << " (named in run.log)\n";
+      if (course.counts.damped > 0)
+        out << "steps that needed a damped Newton matrix: "
+            << course.counts.damped << " (named in run.log)\n";
+    }
+
+    /**
+     * Step after step until the limits are met. @p course is right also when
+     * this throws. Collective.
+     */
+    template <int dim>
+    void
+    advance_to_end(Scene<dim>           &scene,
+                   const TimeParameters &limits,
+                   Ledger               &ledger,
+                   Frames<dim>          &frames,
+                   Progress             &progress,
+                   Course               &course)
+    {
+      StepReport &report = course.report;
+      // a step that ends within round-off of the end time is the last
+      while (report.time < limits.end_time * (1. - 1e-12) &&
+             (limits.maximum_steps == 0 || report.step < limits.maximum_steps))
+        {
+          report = scene.advance();
+          for (const std::string &note : report.notes)
+            progress.note(note);
+          for (const std::string &finding : report.findings)
+            progress.record(finding);
+          ledger.add(report);
+          throw_together(scene.grid.communicator(),
+                         "Ledger",
+                         ledger.problem(),
+                         "check the folder's permissions and the disk's free "
+                         "space. What was written so far is kept.");
+          frames.after(report);
+          course.largest_energy =
+            std::max(course.largest_energy, ledger.total_energy());
+          ++course.counts.steps;
+          course.counts.halvings += report.halvings;
+          course.counts.damped += report.is_damped;
+          progress.step(report.step,
+                        report.time,
+                        report.time_step,
+                        report.newton_iterations,
+                        course.largest_energy > 0.
+                          ? ledger["balance_error"] / course.largest_energy
+                          : 0.);
+        }
+    }
+  } // namespace
+
+  template <int dim>
+  void
+  run(const ParameterFile &file,
+      const RunOptions    &options,
+      const MPI_Comm       communicator)
+  {
+    const bool is_first =
+      dealii::Utilities::MPI::this_mpi_process(communicator) == 0;
+    // mpirun shows a pseudo-terminal even when it writes to a file
+    const unsigned int n_ranks =
+      dealii::Utilities::MPI::n_mpi_processes(communicator);
+    // swallows everything, for all ranks but the first
+    std::ostream  nowhere(nullptr);
+    std::ostream &screen = is_first && !options.is_quiet ? std::cout : nowhere;
+
+    const SceneParameters<dim> parameters(file);
+    parameters.output.validate();
+    parameters.solver.validate(); // not only when the first step needs it
+    Scene<dim>       scene(parameters, communicator);
+    const StepReport initial = scene.initial_report();
+    Ledger           ledger(initial, dim);
+    const SceneCard  card = [&] {
+      const auto timed = scene.phases.scope("scene card");
+      return make_card(scene, parameters, options.with_absent);
+    }();
+
+    if (options.only_check)
+      {
+        scene.describe(screen, initial, card, options.with_absent);
+        list_unused(file, parameters, screen);
+        return;
+      }
+
+    const RunDirectory directory(parameters.output.directory,
+                                 options.overwrite ||
+                                   parameters.output.overwrite,
+                                 communicator);
+    // not open, and so mute, on all ranks but the first
+    std::ofstream log;
+    if (is_first)
+      {
+        log.open(directory.file("run.log"));
+        std::ofstream used(directory.file("parameters.prm"));
+        parameters.print(used);
+      }
+
+    std::ostringstream head;
+    head << "emmy " EMMY_VERSION ": " << directory.path() << '\n';
+    scene.describe(head, initial, card, options.with_absent);
+    list_unused(file, parameters, head);
+    screen << head.str() << std::flush;
+    log << head.str() << std::flush;
+
+    if (is_first)
+      ledger.write_to(directory.file("ledger.csv"));
+    Frames<dim> frames(scene, parameters, directory);
+    frames.initial();
+    Progress progress(screen,
+                      is_first && !options.is_quiet && isatty(STDOUT_FILENO) &&
+                        n_ranks == 1,
+                      log,
+                      parameters.time.end_time,
+                      parameters.time.maximum_steps);
+
+    if (is_first)
+      scene.phases.set_listener(
+        [&progress](const std::string &news) { progress.working(news); });
+
+    // What goes wrong on the way is reported after the results so far. All
+    // ranks throw it together; any other error passes, as one rank alone can
+    // not finish the output.
+    std::exception_ptr failure;
+    Course             course{initial, ledger.total_energy(), {}};
+    try
+      {
+        advance_to_end(
+          scene, parameters.time, ledger, frames, progress, course);
+      }
+    catch (const ExcRun &error)
+      {
+        failure = std::current_exception();
+        log << "stopped: " << message_of(error) << std::endl;
+      }
+    scene.phases.set_listener(nullptr);
+    progress.finish();
+    for (const std::string &warning :
+         frames.finish(course.report, /*is_complete=*/!failure))
+      progress.note(warning);
+
+    std::ostringstream tail;
+    tail << "linear solver " << scene.stepper->solver_name() << '\n';
+    tell_of_overshoot(parameters.time, course.report.time, tail);
+    summarise(tail, ledger, initial, course);
+    std::vector<EffectCard> present;
+    for (const CountedEffect &effect : card.effects)
+      if (effect.card.is_present)
+        present.push_back(effect.card);
+    const Price price(scene.phases, present, communicator);
+    price.print(tail, ledger);
+    screen << tail.str() << std::flush;
+    log << tail.str() << std::flush;
+    price.write_json(directory.file("timing.json"), ledger, course.counts);
+    if (failure)
+      std::rethrow_exception(failure);
+    screen << "results in " << directory.path() << '\n';
+  }
+
+  template void
+  run<2>(const ParameterFile &, const RunOptions &, const MPI_Comm);
+  template void
+  run<3>(const ParameterFile &, const RunOptions &, const MPI_Comm);
+} // namespace emmy

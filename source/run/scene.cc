@@ -1,0 +1,503 @@
+#include <emmy/effects/inertia.h>
+#include <emmy/effects/internal_force.h>
+#include <emmy/base/exceptions.h>
+#include <emmy/base/text.h>
+#include <emmy/particles/body_measures.h>
+#include <emmy/particles/particle_count.h>
+#include <emmy/step/explicit_stepper.h>
+#include <emmy/step/step_size.h>
+#include <emmy/step/stepper.h>
+#include <emmy/run/scene.h>
+#include <emmy/run/scene_card.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <ostream>
+
+namespace emmy
+{
+  namespace
+  {
+    template <int dim>
+    std::vector<std::unique_ptr<Material<dim>>>
+    make_materials(const SceneParameters<dim> &parameters)
+    {
+      AssertThrow(!parameters.materials.empty(),
+                  ExcParameter("Materials",
+                               "Names",
+                               "",
+                               "at least one material is required."));
+      std::vector<std::unique_ptr<Material<dim>>> materials;
+      for (const auto &material : parameters.materials)
+        materials.push_back(material->make());
+      return materials;
+    }
+
+    template <int dim>
+    std::vector<Body<dim>>
+    make_bodies(const SceneParameters<dim>                        &parameters,
+                const std::vector<std::unique_ptr<Material<dim>>> &materials)
+    {
+      AssertThrow(
+        !parameters.bodies.empty(),
+        ExcParameter("Bodies", "Names", "", "at least one body is required."));
+      const auto            &names = parameters.material_names.names;
+      std::vector<Body<dim>> bodies;
+      for (unsigned int b = 0; b < parameters.bodies.size(); ++b)
+        {
+          const auto &body = *parameters.bodies[b];
+          const auto  position =
+            std::find(names.begin(), names.end(), body.material);
+          const std::string nearest = nearest_name(body.material, names);
+          AssertThrow(position != names.end(),
+                      ExcParameter(body.path(),
+                                   "Material",
+                                   body.material,
+                                   (nearest.empty()
+                                      ? std::string()
+                                      : "did you mean <" + nearest + ">? ") +
+                                     "It must be one of Materials/Names: " +
+                                     join(names) + "."));
+          const unsigned int material = position - names.begin();
+          bodies.push_back(make_body<dim>(parameters.body_names.names[b],
+                                          body,
+                                          material,
+                                          materials[material]->density()));
+        }
+      return bodies;
+    }
+
+    template <int dim>
+    std::vector<const Material<dim> *>
+    materials_of(const std::vector<Body<dim>>                      &bodies,
+                 const std::vector<std::unique_ptr<Material<dim>>> &materials)
+    {
+      std::vector<const Material<dim> *> result;
+      for (const Body<dim> &body : bodies)
+        result.push_back(materials[body.material].get());
+      return result;
+    }
+
+    template <int dim>
+    std::vector<std::string>
+    names_of_materials(const SceneParameters<dim>   &parameters,
+                       const std::vector<Body<dim>> &bodies)
+    {
+      std::vector<std::string> names;
+      for (const Body<dim> &body : bodies)
+        names.push_back(
+          material_effect(parameters.material_names.names[body.material]));
+      return names;
+    }
+
+    /** Null with implicit steps. */
+    template <int dim>
+    std::unique_ptr<ExplicitForce<dim>>
+    make_explicit_force(
+      const SceneParameters<dim>               &parameters,
+      const std::vector<Body<dim>>             &bodies,
+      const std::vector<const Material<dim> *> &material_of_body,
+      FieldLayout                              &layout)
+    {
+      if (!parameters.time.is_explicit())
+        return nullptr;
+      layout.set_effect(internal_force_effect);
+      return std::make_unique<ExplicitForce<dim>>(
+        material_of_body, layout, names_of_materials(parameters, bodies));
+    }
+
+    /** Explicit steps take loads, and nothing that Newton would need. */
+    template <int dim>
+    void
+    require_explicit(const std::string &effect, const Effects<dim> &effects)
+    {
+      AssertThrow(effects.terms.empty() && !effects.ghost_faces,
+                  ExcParameter("Time",
+                               "Integrator",
+                               "explicit",
+                               "explicit steps have no place for the effect <" +
+                                 effect +
+                                 ">. Remove it from Effects/Names, or set "
+                                 "Integrator = implicit."));
+    }
+
+    /**
+     * The effects that the file names; with implicit steps inertia and
+     * internal force too.
+     */
+    template <int dim>
+    Effects<dim>
+    make_effects(const SceneParameters<dim>               &parameters,
+                 const std::vector<Body<dim>>             &bodies,
+                 const std::vector<const Material<dim> *> &material_of_body,
+                 FieldLayout                              &layout)
+    {
+      const bool   is_explicit = parameters.time.is_explicit();
+      Effects<dim> effects;
+      effects.material_of_body = material_of_body;
+      if (!is_explicit)
+        {
+          effects.terms.push_back(
+            std::make_unique<Inertia<dim>>(layout["mass"]));
+          effects.name_new(Inertia<dim>::card().name);
+          layout.set_effect(internal_force_effect);
+          effects.terms.push_back(std::make_unique<InternalForce<dim>>(
+            material_of_body,
+            layout,
+            stress_rule<dim>(parameters.method.stress_rule),
+            names_of_materials(parameters, bodies)));
+          effects.name_new(internal_force_effect);
+        }
+      for (const std::string &name : parameters.effect_names.names)
+        {
+          layout.set_effect(name);
+          parameters.effects.at(name)->add_to(effects, layout);
+          effects.name_new(name);
+          if (is_explicit)
+            require_explicit(name, effects);
+        }
+      if (parameters.method.starved_nodes == "follow")
+        effects.aggregation =
+          parameters.method.template make_aggregation<dim>(layout);
+      return effects;
+    }
+
+    template <int dim>
+    std::unique_ptr<ShapeFunctions<dim>>
+    make_shape_functions(const MethodParameters &method, FieldLayout &layout)
+    {
+      layout.set_effect(method.shape_functions);
+      return shape_function_library<dim>()
+        .find(method.shape_functions, method.path(), "Shape functions")
+        .make(layout);
+    }
+
+    /** Explicit steps have a lumped mass and a stress rule of their own. */
+    template <int dim>
+    void
+    make_explicit(const SceneParameters<dim> &parameters, PointMapping &mapping)
+    {
+      const MethodParameters &method  = parameters.method;
+      const auto              require = [](const bool         condition,
+                              const std::string &section,
+                              const std::string &entry,
+                              const std::string &value,
+                              const std::string &advice) {
+        AssertThrow(condition,
+                    ExcParameter(section,
+                                 entry,
+                                 value,
+                                 "with Time/Integrator = explicit " + advice));
+      };
+      require(mapping.lumping == 0. || mapping.lumping == 1.,
+              method.path(),
+              "Lumping",
+              shortest(mapping.lumping),
+              "the mass is always lumped. Remove it, or set it to 1.");
+      require(method.stress_rule == "conserving",
+              method.path(),
+              "Stress rule",
+              method.stress_rule,
+              "the stress at the start of the step acts, whatever the rule. "
+              "Remove it.");
+      require(method.starved_nodes == "free",
+              method.path(),
+              "Starved nodes",
+              method.starved_nodes,
+              "there is no equation that nodes could follow in. Remove it, or "
+              "set it to free.");
+      require(mapping.walls == PointMapping::Walls::constrained,
+              method.path(),
+              "Wall mapping",
+              method.wall_mapping,
+              "it must be <constrained>.");
+      require(!parameters.diagnosis.small_cuts,
+              parameters.diagnosis.path(),
+              "Small cuts",
+              "true",
+              "there is no matrix to diagnose. Set it to false.");
+      mapping.lumping = 1.;
+    }
+
+    /** Without walls there is no choice of what the map does at them. */
+    template <int dim>
+    PointMapping
+    make_mapping(const SceneParameters<dim>    &parameters,
+                 const BoundaryConditions<dim> &boundary_conditions,
+                 const Balance<dim>            &balance)
+    {
+      const MethodParameters &method  = parameters.method;
+      PointMapping            mapping = method.make_mapping();
+      if (!boundary_conditions.has_walls())
+        mapping.walls = PointMapping::Walls::constrained;
+      if (parameters.time.is_explicit())
+        make_explicit(parameters, mapping);
+      AssertThrow(!balance.aggregation() ||
+                    mapping.walls == PointMapping::Walls::constrained,
+                  ExcParameter(method.path(),
+                               "Wall mapping",
+                               method.wall_mapping,
+                               "with Starved nodes = follow it must be "
+                               "<constrained>: the map without walls would "
+                               "need followers of its own. Set Starved nodes "
+                               "= free, or remove the entry."));
+      return mapping;
+    }
+
+    template <int dim>
+    std::unique_ptr<DomainUpdate<dim>>
+    make_updates(const MethodParameters       &method,
+                 const std::vector<Body<dim>> &bodies,
+                 const BackgroundGrid<dim>    &grid,
+                 FieldLayout                  &layout)
+    {
+      if (!layout.has("half_length"))
+        return nullptr; // particles are points
+      layout.set_effect(domain_update_effect);
+      return make_domain_update(method.domain_update, bodies, grid, layout);
+    }
+
+    /** Null where the grid is undeformed at the start of a step. */
+    template <int dim>
+    std::unique_ptr<MiddlePlaces<dim>>
+    make_middle(const SceneParameters<dim> &parameters, FieldLayout &layout)
+    {
+      if (!parameters.method.is_at_middle(parameters.time))
+        return nullptr;
+      layout.set_effect(middle_effect);
+      return std::make_unique<MiddlePlaces<dim>>(layout);
+    }
+  } // namespace
+
+  template <int dim>
+  Scene<dim>::Scene(const SceneParameters<dim> &parameters,
+                    const MPI_Comm              communicator)
+    : phases(communicator)
+    , grid(parameters.grid, communicator, BackgroundGrid<dim>::Cells::none)
+    , boundary_conditions(parameters.boundary_conditions, grid)
+    , materials(make_materials(parameters))
+    , bodies(make_bodies(parameters, materials))
+    , material_of_body(materials_of(bodies, materials))
+    , layout(basic_fields(dim))
+    , explicit_force(
+        make_explicit_force(parameters, bodies, material_of_body, layout))
+    , balance(make_effects(parameters, bodies, material_of_body, layout))
+    , shape_functions(make_shape_functions<dim>(parameters.method, layout))
+    , domain_update(make_updates(parameters.method, bodies, grid, layout))
+    , middle(make_middle<dim>(parameters, layout))
+    , mapping(make_mapping(parameters, boundary_conditions, balance))
+    , step_rule(make_step_rule(parameters.time, grid, material_of_body, layout))
+    , travel_limit(parameters.time.maximum_travel > 0.
+                     ? std::make_unique<const TravelLimit<dim>>(
+                         parameters.time.maximum_travel,
+                         grid,
+                         boundary_conditions)
+                     : nullptr)
+    , stepper(make_stepper(parameters))
+    , parameters(parameters)
+  {
+    const auto scope = phases.scope("setup");
+    boundary_conditions.check_run(parameters.time.latest_end());
+    refuse_too_many(bodies, grid, layout);
+    grid.cover(occupied_cells(bodies, grid));
+    particles.initialize(grid.triangulation(),
+                         grid.mapping(),
+                         layout.n_components());
+    fill(bodies, grid, layout, particles);
+    notes = balance.mark(grid, particles);
+    if (middle)
+      middle->begin(layout, particles);
+    for (const auto &measurement : parameters.measurements)
+      measurements.push_back(
+        measurement->make({bodies, grid, layout, particles}));
+    watches_crossings = parameters.method.shape_functions == "linear";
+    if (watches_crossings)
+      occupancy_at_start = occupancy();
+  }
+
+  template <int dim>
+  StepReport
+  Scene<dim>::initial_report()
+  {
+    StepReport report = stepper->initial_report();
+    measure(report);
+    return report;
+  }
+
+  template <int dim>
+  StepReport
+  Scene<dim>::advance()
+  {
+    StepReport report = stepper->advance();
+    if (watches_crossings && occupancy() != occupancy_at_start)
+      {
+        watches_crossings = false;
+        report.notes.push_back(
+          step_name(report.step, report.time - report.time_step) +
+          ": particles have crossed cells. Linear functions jump there: "
+          "strained bodies get errors that finer grids and more steps make "
+          "larger. Remedy: Method/Shape functions = GIMP");
+      }
+    measure(report);
+    return report;
+  }
+
+  template <int dim>
+  std::uint64_t
+  Scene<dim>::occupancy() const
+  {
+    std::uint64_t sum = 0;
+    for (const auto &particle : particles)
+      {
+        std::uint64_t place = 0;
+        for (const auto i : grid.lattice(particle.get_surrounding_cell()))
+          place = place * 0x9e3779b97f4a7c15 + i + 1;
+        sum += (particle.get_id() + 1) * place;
+      }
+    return dealii::Utilities::MPI::sum(sum, grid.communicator());
+  }
+
+  template <int dim>
+  void
+  Scene<dim>::measure(StepReport &report)
+  {
+    if (measurements.empty())
+      return;
+    const auto timed = phases.scope("measurements");
+    for (const auto &measurement : measurements)
+      {
+        const auto timed = phases.effect(measurement->card().name);
+        for (const StepMeasure &value : measurement->measure(particles))
+          report.measures.push_back(value);
+      }
+  }
+
+  template <int dim>
+  std::unique_ptr<TimeIntegrator<dim>>
+  Scene<dim>::make_stepper(const SceneParameters<dim> &parameters)
+  {
+    const StepMethod<dim> method{*shape_functions,
+                                 domain_update.get(),
+                                 mapping,
+                                 *step_rule,
+                                 travel_limit.get(),
+                                 balance,
+                                 parameters.diagnosis,
+                                 middle.get(),
+                                 parameters.method.geometry_tolerance};
+    if (explicit_force)
+      return std::make_unique<ExplicitStepper<dim>>(grid,
+                                                    boundary_conditions,
+                                                    layout,
+                                                    method,
+                                                    *explicit_force,
+                                                    parameters.time,
+                                                    particles,
+                                                    phases);
+    return std::make_unique<Stepper<dim>>(grid,
+                                          boundary_conditions,
+                                          layout,
+                                          method,
+                                          parameters.solver,
+                                          parameters.time,
+                                          particles,
+                                          phases);
+  }
+
+  template <int dim>
+  void
+  Scene<dim>::describe(std::ostream     &out,
+                       const StepReport &initial,
+                       const SceneCard  &card,
+                       const bool        with_absent) const
+  {
+    const MPI_Comm communicator = grid.communicator();
+    const auto     line         = [&out](const std::string &what) -> auto &
+    {
+      return out << "  " << std::left << std::setw(22) << what;
+    };
+    line("dimension") << (dim == 2 ? "2 (plane strain)\n" : "3\n");
+    line("grid") << dealii::Patterns::Tools::to_string(grid.n_cells())
+                 << " cells, h = "
+                 << dealii::Patterns::Tools::to_string(
+                      dealii::Point<dim>(grid.cell_size()))
+                 << " m, " << grid.n_trees() << " trees\n";
+    line("ranks") << dealii::Utilities::MPI::n_mpi_processes(communicator)
+                  << '\n';
+    const auto measures = measure_bodies(bodies, grid, layout, particles);
+    for (unsigned int b = 0; b < bodies.size(); ++b)
+      {
+        line("body " + bodies[b].name)
+          << parameters.material_names.names[bodies[b].material] << ", density "
+          << bodies[b].density << " kg/m^3, P-wave modulus "
+          << material_of_body[b]->p_wave_modulus() << " Pa\n";
+        for (const std::string &text :
+             describe_measures(bodies[b], measures[b], grid))
+          text.compare(0, 5, "note:") == 0 ? out << "  " << text << '\n'
+                                           : line("") << text << '\n';
+        // 1e6 take a second or two
+        double n_boxes = 1.;
+        for (const unsigned int n : grid.n_cells())
+          n_boxes *= double(n) * bodies[b].points_per_direction;
+        if (n_boxes > 1e6 &&
+            !std::isfinite(bodies[b].shape->bounding_box().volume()))
+          line("") << "note: its formula was tried in all " << n_boxes
+                   << " boxes of the grid; the start is faster if its section "
+                      "has a Lower corner and an Upper corner\n";
+      }
+    const MethodParameters &method = parameters.method;
+    line("method") << method.shape_functions
+                   << (layout.has("half_length")
+                         ? " (domains: " + method.domain_update + ")"
+                         : std::string())
+                   << ", " << method.mapping << ", lumping " << mapping.lumping
+                   << ", "
+                   << (explicit_force
+                         ? "explicit steps with the stress at their start"
+                         : method.stress_rule + " stress")
+                   << (middle ? ", geometry in the middle of the step" : "");
+    if (boundary_conditions.has_walls())
+      out << ", " << method.wall_mapping << " walls";
+    out << '\n';
+    line("starved nodes") << (balance.aggregation() ? "follow" : "free");
+    if (!parameters.why_free.empty())
+      out << ": " << parameters.why_free;
+    out << '\n';
+    line("effects") << (parameters.effect_names.names.empty()
+                          ? "none beyond inertia and internal force"
+                          : join(parameters.effect_names.names))
+                    << '\n';
+    for (const std::string &note : notes)
+      line("") << note << '\n';
+    // mass, damped mass with and without walls, tangent: a number and an index
+    // per entry
+    const double       matrix_bytes = 12. * card.n_matrices * card.nonzeros;
+    const unsigned int bytes        = card.particle_bytes();
+    line("particles") << initial.totals.particles << ", "
+                      << layout.n_components() << " numbers each, " << bytes
+                      << " bytes, together "
+                      << bytes * initial.totals.particles / 1e6 << " MB\n";
+    line("work arrays") << card.point_bytes / 1e6
+                        << " MB for the points of the first step, "
+                        << matrix_bytes / 1e6 << " MB for matrices\n";
+    line("mass") << initial.totals.mass << " kg\n";
+    line("kinetic energy") << std::setprecision(16)
+                           << initial.totals.kinetic_energy
+                           << std::setprecision(6) << " J\n";
+    line("active cells") << initial.active_cells << '\n';
+    line("unknowns") << initial.active_dofs << '\n';
+    line("first time step") << initial.time_step << " s\n";
+    const double n_steps =
+      std::ceil(parameters.time.end_time / initial.time_step);
+    const unsigned int limit = parameters.time.maximum_steps;
+    line("steps") << "about "
+                  << (limit > 0 ? std::min<double>(limit, n_steps) : n_steps)
+                  << ", to t = " << parameters.time.end_time << " s"
+                  << (limit > 0 ? " or the limit of steps" : "") << '\n';
+    card.print(out, with_absent);
+  }
+
+  template class Scene<2>;
+  template class Scene<3>;
+} // namespace emmy

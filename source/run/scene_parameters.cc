@@ -1,0 +1,494 @@
+#include <emmy/base/exceptions.h>
+#include <emmy/base/text.h>
+#include <emmy/material/stress_rules.h>
+#include <emmy/particles/stencils.h>
+#include <emmy/run/scene_parameters.h>
+#include <emmy/transfer/domain_update.h>
+
+#include <algorithm>
+#include <sstream>
+
+namespace emmy
+{
+  using dealii::Patterns::Bool;
+  using dealii::Patterns::Double;
+  using dealii::Patterns::Integer;
+  using dealii::Patterns::List;
+  using dealii::Patterns::Selection;
+
+  GeneralParameters::GeneralParameters()
+    : Section("")
+  {
+    add_parameter("Dimension",
+                  dimension,
+                  "2: plane strain, per metre of thickness. 3: space. "
+                  "Required.",
+                  prm,
+                  Integer(0, 3));
+    add_parameter("Title",
+                  title,
+                  "Stands over the pictures. Empty: the output directory.");
+  }
+
+  NameList::NameList(const std::string &path, const std::string &documentation)
+    : Section(path)
+  {
+    add_parameter("Names", names, documentation);
+  }
+
+  MethodParameters::MethodParameters(
+    const std::vector<std::string> &shape_function_names)
+    : Section("Method")
+  {
+    // the best of those that there are
+    if (std::count(shape_function_names.begin(),
+                   shape_function_names.end(),
+                   shape_functions) == 0 &&
+        !shape_function_names.empty())
+      shape_functions = shape_function_names.front();
+    add_parameter("Shape functions",
+                  shape_functions,
+                  "linear: bi- or trilinear functions of the cell (standard "
+                  "MPM). GIMP: particles are boxes, which reach the nodes of "
+                  "all cells that they overlap.",
+                  prm,
+                  Selection(join(shape_function_names, "|")));
+    add_parameter("Domain update",
+                  domain_update,
+                  "How the boxes of GIMP follow the deformation gradient F. "
+                  "none: they keep their size. detF: as its determinant. "
+                  "diagF: as its diagonal, which vanishes when a body turns. "
+                  "stretch: as the diagonal of sqrt(F^T F). corners: as the "
+                  "extent of the moved corners, with the volume of F.",
+                  prm,
+                  Selection(domain_update_names()));
+    add_parameter("Starved nodes",
+                  starved_nodes,
+                  "Nodes that have next to no mass. follow: they follow the "
+                  "nearest cell whose nodes all have more, without loss of "
+                  "energy or momentum. free: they move on their own. follow "
+                  "needs implicit steps and Wall mapping = constrained; a file "
+                  "that has neither this entry nor those gets free.",
+                  prm,
+                  Selection("follow|free"));
+    add_parameter("Starved threshold",
+                  starved_threshold,
+                  "A node is starved with less than this part of the mass that "
+                  "a full body would give it. Below 2^-dim corners of a block "
+                  "of full cells are fed. 0: 0.02 with GIMP; with linear "
+                  "functions 0.15, in space 0.1. Dimensionless, below 1.",
+                  prm,
+                  Double(0.));
+    add_parameter("Mapping",
+                  mapping,
+                  "FLIP: particles take the change of the grid's velocity. "
+                  "PIC: they take the velocity, and lose what the grid does "
+                  "not see of theirs. blend: <FLIP fraction> of FLIP, the "
+                  "rest of PIC.",
+                  prm,
+                  Selection("FLIP|PIC|blend"));
+    add_parameter("FLIP fraction",
+                  flip_fraction,
+                  "Share of FLIP in Mapping = blend. Dimensionless, between 0 "
+                  "and 1. -1: not given.",
+                  prm,
+                  Double());
+    add_parameter("Lumping",
+                  lumping,
+                  "epsilon of eq. 18. 0: consistent mass matrix, which "
+                  "conserves energy. 1: lumped. Between: (1 - epsilon) "
+                  "consistent + epsilon lumped. Dimensionless.",
+                  prm,
+                  Double());
+    add_parameter("Stress rule",
+                  stress_rule,
+                  "The stress that acts during a step. conserving: balances "
+                  "energy. mid-point: that of the mid-point's deformation. "
+                  "trapezoidal: the mean of both ends. end-point: that of the "
+                  "end. All keep momenta; the ledger's stress_rule_loss is "
+                  "the energy that the last three lose or make; where few "
+                  "particles reach a node, mid-point can make very much.",
+                  prm,
+                  Selection(stress_rule_names()));
+    add_parameter("Wall mapping",
+                  wall_mapping,
+                  "constrained: fixed nodes have the velocity of the wall in "
+                  "the point-to-grid map too. unconstrained: the map knows no "
+                  "walls, and fixed nodes bounce. inelastic: as constrained, "
+                  "but particles lose what the wall takes from the grid's "
+                  "velocity.",
+                  prm,
+                  Selection("constrained|unconstrained|inelastic"));
+    add_parameter("Geometry",
+                  geometry,
+                  "Where a step takes its shape functions, mass and loads. "
+                  "start: at the particles' places at its start (Pretti et "
+                  "al. 2023); under compression motion at the size of a cell "
+                  "then grows, with all balances exact. middle: at their "
+                  "places in its middle, which Newton finds; a file without "
+                  "this entry gets start with explicit steps and with linear "
+                  "functions.",
+                  prm,
+                  Selection("middle|start"));
+    add_parameter("Geometry tolerance",
+                  geometry_tolerance,
+                  "How well the places of the middle must hold before a step "
+                  "ends. Unit: cells. Positive.",
+                  prm,
+                  Double());
+  }
+
+  bool
+  MethodParameters::is_at_middle(const TimeParameters &time) const
+  {
+    AssertThrow(geometry_tolerance > 0.,
+                ExcParameter(path(),
+                             "Geometry tolerance",
+                             shortest(geometry_tolerance),
+                             "must be positive (cells); 1e-8 is good."));
+    AssertThrow(geometry != "middle" || !time.is_explicit(),
+                ExcParameter(path(),
+                             "Geometry",
+                             geometry,
+                             "explicit steps take force and strain at the "
+                             "same time and need no middle. Remove it, or set "
+                             "it to start."));
+    return geometry == "middle";
+  }
+
+  template <int dim>
+  std::unique_ptr<const Aggregation<dim>>
+  MethodParameters::make_aggregation(const FieldLayout &layout) const
+  {
+    AssertThrow(starved_threshold < 1.,
+                ExcParameter(path(),
+                             "Starved threshold",
+                             shortest(starved_threshold),
+                             "must lie between 0 and 1, 1 excluded. 0.02 is "
+                             "good with GIMP, 0.1 to 0.2 with linear "
+                             "functions; 0 chooses."));
+    // linear functions need more; below 2^-dim a block has all its corners
+    const double usual = shape_functions != "linear" ? 0.02
+                         : dim == 2                  ? 0.15
+                                                     : 0.1;
+    return std::make_unique<const Aggregation<dim>>(starved_threshold > 0.
+                                                      ? starved_threshold
+                                                      : usual,
+                                                    layout["mass"],
+                                                    layout["reference_volume"]);
+  }
+
+  PointMapping
+  MethodParameters::make_mapping() const
+  {
+    const auto require = [this](const bool         condition,
+                                const std::string &name,
+                                const std::string &value,
+                                const std::string &advice) {
+      AssertThrow(condition, ExcParameter(path(), name, value, advice));
+    };
+    require(lumping >= 0. && lumping <= 1.,
+            "Lumping",
+            shortest(lumping),
+            "must lie between 0 (consistent) and 1 (lumped).");
+    if (mapping == "blend")
+      require(flip_fraction >= 0. && flip_fraction <= 1.,
+              "FLIP fraction",
+              shortest(flip_fraction),
+              "Mapping = blend requires it, between 0 (PIC) and 1 (FLIP).");
+    else
+      require(flip_fraction == -1.,
+              "FLIP fraction",
+              shortest(flip_fraction),
+              "Mapping = " + mapping +
+                " contradicts it. Remove it, or set Mapping = blend.");
+    if (mapping == "PIC")
+      require(wall_mapping == "constrained",
+              "Wall mapping",
+              wall_mapping,
+              std::string("Mapping = PIC contradicts it: ") +
+                (wall_mapping == "inelastic"
+                   ? "with PIC particles keep nothing that a wall could take."
+                   : "particles would take the bounce of the fixed nodes.") +
+                " Use constrained, or Mapping = FLIP or blend.");
+
+    PointMapping result;
+    result.lumping = lumping;
+    result.flip_fraction =
+      mapping == "FLIP" ? 1. : (mapping == "PIC" ? 0. : flip_fraction);
+    result.walls =
+      wall_mapping == "constrained" ? PointMapping::Walls::constrained
+      : wall_mapping == "inelastic" ? PointMapping::Walls::inelastic
+                                    : PointMapping::Walls::unconstrained;
+    return result;
+  }
+
+  OutputParameters::OutputParameters()
+    : Section("Output")
+  {
+    add_parameter("Directory",
+                  directory,
+                  "Where the results go; created if it is not there.");
+    add_parameter("Overwrite",
+                  overwrite,
+                  "Whether results of an earlier run in <Directory> may be "
+                  "replaced. Also: --overwrite.");
+    add_parameter("Frames",
+                  frames,
+                  "Number of equal parts of the run after each of which "
+                  "particle and grid files are written. 0: none.",
+                  prm,
+                  Integer(0));
+    add_parameter("Particle files",
+                  particle_files,
+                  "Whether frames have particle files (VTU).");
+    add_parameter("Grid files",
+                  grid_files,
+                  "Whether frames have files of the active grid (VTU).");
+    add_parameter("Pictures",
+                  pictures,
+                  "Whether pictures are drawn at the end, with gnuplot.");
+    add_parameter("Picture times",
+                  picture_times,
+                  "Times at which particles are drawn. Unit: s. Empty: the "
+                  "start, the end, and four times between.",
+                  prm,
+                  List(Double()));
+  }
+
+  void
+  OutputParameters::validate() const
+  {
+    AssertThrow(!directory.empty(),
+                ExcParameter(path(),
+                             "Directory",
+                             directory,
+                             "it must name a folder, e.g. results/my-run."));
+    for (const double time : picture_times)
+      AssertThrow(time >= 0.,
+                  ExcParameter(path(),
+                               "Picture times",
+                               shortest(time),
+                               "times must not be negative (s)."));
+  }
+
+  namespace
+  {
+    std::vector<std::string>
+    names_in(const ParameterFile &file, const std::string &section)
+    {
+      const auto names = dealii::Utilities::split_string_list(
+        file.value(section + "/Names", ""));
+      for (const std::string &name : names)
+        AssertThrow(std::count(names.begin(), names.end(), name) == 1 &&
+                      name.find('/') == std::string::npos,
+                    ExcParameter(section,
+                                 "Names",
+                                 join(names),
+                                 "names must differ and hold no slash."));
+      return names;
+    }
+
+    /** What was an effect is part of the method now. Throws ExcParameter. */
+    void
+    refuse_aggregation(const ParameterFile &file)
+    {
+      const auto names = names_in(file, "Effects");
+      AssertThrow(std::count(names.begin(), names.end(), "aggregation") == 0 &&
+                    !file.has_section("Effects/Aggregation"),
+                  ExcParameter("Effects",
+                               "Names",
+                               join(names),
+                               "aggregation is no effect any more, but what "
+                               "starved nodes do by default. Write Method/"
+                               "Starved nodes = follow, and Method/Starved "
+                               "threshold for its Mass threshold; remove "
+                               "<aggregation> here and the section "
+                               "Effects/Aggregation."));
+    }
+
+    /** Throws ExcParameter for a choice that the file does not make. */
+    void
+    require_choice(const std::string              &value,
+                   const std::string              &section,
+                   const std::string              &entry,
+                   const std::vector<std::string> &choices)
+    {
+      AssertThrow(!value.empty(),
+                  ExcParameter(section,
+                               entry,
+                               "",
+                               "it is required. Known are: " + join(choices) +
+                                 "."));
+    }
+  } // namespace
+
+  template <int dim>
+  SceneParameters<dim>::Cleared::Cleared()
+  {
+    dealii::ParameterAcceptor::clear();
+  }
+
+  template <int dim>
+  SceneParameters<dim>::SceneParameters(const ParameterFile &file)
+    : material_names("Materials",
+                     "Names of the materials. Each has a section of its name "
+                     "with an entry <Model>: " +
+                       join(material_library<dim>().names()) + ".")
+    , body_names("Bodies",
+                 "Names of the bodies. Each has a section of its name.")
+    , boundary_conditions(dim)
+    , effect_names("Effects",
+                   "The effects of the scene beyond inertia and internal "
+                   "force: " +
+                     join(effect_library<dim>().names()) +
+                     ". What is not named costs nothing.")
+    , method(shape_function_library<dim>().names())
+    , measurement_names("Measurements",
+                        "Names of further columns of the ledger. Each has a "
+                        "section of its name with an entry <Type>: " +
+                          join(measurement_library<dim>().names()) +
+                          ". Its columns are NAME_x and so on.")
+  {
+    // The file names things; each name brings a section, each model its
+    // parameters. The handler prints in the order of declaration.
+    for (const std::string &name : names_in(file, "Materials"))
+      {
+        const std::string section = "Materials/" + name;
+        const std::string model   = file.value(section + "/Model", "");
+        require_choice(model,
+                       section,
+                       "Model",
+                       material_library<dim>().names());
+        materials.push_back(
+          material_library<dim>().find(model, section, "Model").make(section));
+      }
+    for (const std::string &name : names_in(file, "Bodies"))
+      {
+        const std::string section = "Bodies/" + name;
+        const std::string shape   = file.value(section + "/Shape", "");
+        require_choice(shape, section, "Shape", shape_library<dim>().names());
+        bodies.push_back(std::make_unique<BodyParameters<dim>>(section, shape));
+      }
+    refuse_aggregation(file);
+    for (const std::string &name : names_in(file, "Effects"))
+      effect_library<dim>().find(name, "Effects", "Names");
+    for (const std::string &name : names_in(file, "Measurements"))
+      {
+        const std::string section = "Measurements/" + name;
+        const std::string type    = file.value(section + "/Type", "");
+        require_choice(type,
+                       section,
+                       "Type",
+                       measurement_library<dim>().names());
+        measurements.push_back(
+          measurement_library<dim>().find(type, section, "Type").make(section));
+      }
+    for (const auto &entry : effect_library<dim>().list())
+      effects[entry.name] = entry.make(effect_section(entry.name));
+
+    file.parse(dealii::ParameterAcceptor::prm);
+    choose_method(file);
+    dealii::ParameterAcceptor::parse_all_parameters();
+  }
+
+  template <int dim>
+  void
+  SceneParameters<dim>::choose_method(const ParameterFile &file)
+  {
+    auto      &prm = dealii::ParameterAcceptor::prm;
+    const auto get = [&prm](const char *section, const char *entry) {
+      prm.enter_subsection(section);
+      const std::string value = prm.get(entry);
+      prm.leave_subsection();
+      return value;
+    };
+    // the parameters that a run writes say what it does
+    const auto choose = [&](const char *entry, const char *value) {
+      if (!file.value(std::string("Method/") + entry, "").empty())
+        return false;
+      prm.enter_subsection("Method");
+      prm.set(entry, value);
+      prm.leave_subsection();
+      return true;
+    };
+    const bool        is_explicit = get("Time", "Integrator") == "explicit";
+    const std::string walls       = get("Method", "Wall mapping");
+    if (is_explicit && choose("Starved nodes", "free"))
+      why_free = "explicit steps have no equation that they could follow in";
+    else if (walls != "constrained" && choose("Starved nodes", "free"))
+      why_free = "the map of Wall mapping = " + walls +
+                 " would need followers of its own";
+    if (is_explicit || get("Method", "Shape functions") == "linear")
+      choose("Geometry", "start");
+  }
+
+  template <int dim>
+  void
+  SceneParameters<dim>::print(std::ostream &out) const
+  {
+    dealii::ParameterAcceptor::prm.print_parameters(
+      out,
+      dealii::ParameterHandler::PRM |
+        dealii::ParameterHandler::KeepDeclarationOrder);
+  }
+
+  unsigned int
+  dimension_of(const ParameterFile &file)
+  {
+    const std::string dimension = file.value("Dimension", "");
+    const std::string meant =
+      dimension.empty() ? nearest_name("Dimension", file.entries_of("")) : "";
+    AssertThrow(
+      dimension == "2" || dimension == "3",
+      ExcParameter("",
+                   "Dimension",
+                   dimension,
+                   "it is required and must be 2 (plane strain) or "
+                   "3." +
+                     (meant.empty()
+                        ? std::string()
+                        : " Did you mean <Dimension>? The file has <" + meant +
+                            ">.")));
+    return dimension == "2" ? 2 : 3;
+  }
+
+  ParameterFile
+  reference_file()
+  {
+    std::ostringstream       text;
+    std::vector<std::string> names;
+    text << "set Dimension = 3\nsubsection Materials\n";
+    for (const std::string &model : material_library<3>().names())
+      {
+        names.push_back("the " + model + " material");
+        text << "subsection " << names.back() << "\nset Model = " << model
+             << "\nend\n";
+      }
+    text << "set Names = " << join(names) << "\nend\nsubsection Bodies\n";
+    names.clear();
+    for (const std::string &shape : shape_library<3>().names())
+      {
+        names.push_back("the " + shape);
+        text << "subsection " << names.back() << "\nset Shape = " << shape
+             << "\nend\n";
+      }
+    text << "set Names = " << join(names) << "\nend\nsubsection Measurements\n";
+    names.clear();
+    for (const std::string &type : measurement_library<3>().names())
+      {
+        names.push_back("the " + type);
+        text << "subsection " << names.back() << "\nset Type = " << type
+             << "\nend\n";
+      }
+    text << "set Names = " << join(names) << "\nend\n";
+    return ParameterFile::from_text(text.str(), "reference");
+  }
+
+  template std::unique_ptr<const Aggregation<2>>
+  MethodParameters::make_aggregation<2>(const FieldLayout &) const;
+  template std::unique_ptr<const Aggregation<3>>
+  MethodParameters::make_aggregation<3>(const FieldLayout &) const;
+  template class SceneParameters<2>;
+  template class SceneParameters<3>;
+} // namespace emmy

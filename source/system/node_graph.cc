@@ -1,0 +1,325 @@
+#include <emmy/base/exceptions.h>
+#include <emmy/system/node_graph.h>
+
+#include <Epetra_CrsGraph.h>
+#include <Epetra_CrsMatrix.h>
+#include <Epetra_Map.h>
+
+#include <algorithm>
+#include <map>
+
+namespace emmy
+{
+  using dealii::types::global_dof_index;
+
+  template <int dim>
+  void
+  NodeGraph<dim>::make(const std::vector<Clique> &cliques,
+                       const Dofs                &first_dofs,
+                       const dealii::IndexSet    &owned_dofs,
+                       const dealii::IndexSet    &known_dofs,
+                       const Constraints         &constraints,
+                       const MPI_Comm             communicator)
+  {
+    this->first_dofs = first_dofs;
+    n_owned          = owned_dofs.n_elements() / dim;
+    place_of_unknown.resize(dim * first_dofs.size());
+    note_conditions(constraints);
+    find_neighbours(cliques);
+    make_pattern(owned_dofs, known_dofs, communicator);
+    find_places();
+  }
+
+  template <int dim>
+  void
+  NodeGraph<dim>::note_conditions(const Constraints &constraints)
+  {
+    std::map<global_dof_index, unsigned int> node_of_dof;
+    if (constraints.has_followers())
+      for (unsigned int node = 0; node < first_dofs.size(); ++node)
+        node_of_dof[first_dofs[node]] = node;
+    is_free.assign(dim * first_dofs.size(), true);
+    is_following.assign(dim * first_dofs.size(), false);
+    for (unsigned int node = 0; node < first_dofs.size(); ++node)
+      for (unsigned int c = 0; c < dim; ++c)
+        {
+          const auto *entries =
+            constraints.affine().get_constraint_entries(first_dofs[node] + c);
+          if (!entries) // no condition
+            continue;
+          is_free[dim * node + c] = false;
+          if (entries->empty()) // fixed
+            continue;
+          is_following[dim * node + c] = true;
+          for (const auto &[dof, weight] : *entries)
+            roots_of[dim * node + c].emplace_back(
+              dim * node_of_dof.at(dof - c) + c, weight);
+        }
+  }
+
+  template <int dim>
+  void
+  NodeGraph<dim>::find_neighbours(std::vector<Clique> cliques)
+  {
+    // a node that follows brings its roots along
+    const unsigned int                     n_nodes = first_dofs.size();
+    std::vector<std::vector<unsigned int>> with_roots;
+    with_roots.reserve(cliques.size());
+    for (Clique &clique : cliques)
+      {
+        std::vector<unsigned int> nodes(clique.nodes, clique.nodes + clique.n);
+        for (unsigned int a = 0; a < clique.n; ++a)
+          for (unsigned int c = 0; c < dim; ++c)
+            if (is_following[dim * clique.nodes[a] + c])
+              for (const auto &root : roots_of.at(dim * clique.nodes[a] + c))
+                nodes.push_back(root.first / dim);
+        if (nodes.size() == clique.n)
+          continue;
+        with_roots.push_back(std::move(nodes));
+        clique = {with_roots.back().data(),
+                  static_cast<unsigned int>(with_roots.back().size())};
+      }
+
+    std::vector<std::vector<unsigned int>> cliques_of(n_nodes);
+    for (unsigned int i = 0; i < cliques.size(); ++i)
+      for (unsigned int a = 0; a < cliques[i].n; ++a)
+        cliques_of[cliques[i].nodes[a]].push_back(i);
+
+    std::vector<unsigned int> seen_by(n_nodes,
+                                      dealii::numbers::invalid_unsigned_int);
+    first.assign(1, 0);
+    for (unsigned int node = 0; node < n_nodes; ++node)
+      {
+        for (const unsigned int i : cliques_of[node])
+          for (unsigned int b = 0; b < cliques[i].n; ++b)
+            {
+              const unsigned int other = cliques[i].nodes[b];
+              if (seen_by[other] != node)
+                neighbours.push_back(other);
+              seen_by[other] = node;
+            }
+        std::sort(neighbours.begin() + first.back(), neighbours.end());
+        first.push_back(neighbours.size());
+      }
+  }
+
+  template <int dim>
+  void
+  NodeGraph<dim>::make_pattern(const dealii::IndexSet &owned_dofs,
+                               const dealii::IndexSet &known_dofs,
+                               const MPI_Comm          communicator)
+  {
+    std::size_t longest = 0;
+    for (unsigned int node = 0; node + 1 < first.size(); ++node)
+      longest = std::max(longest, first[node + 1] - first[node]);
+    // deal.II 9.4 refuses a row length on a rank that owns no row
+    sparsity.reinit(owned_dofs,
+                    owned_dofs,
+                    known_dofs,
+                    communicator,
+                    n_owned > 0 ? dim * longest : 0);
+    for (unsigned int node = 0; node + 1 < first.size(); ++node)
+      {
+        dofs.clear();
+        for (std::size_t k = first[node]; k < first[node + 1]; ++k)
+          for (unsigned int c = 0; c < dim; ++c)
+            dofs.push_back(first_dofs[neighbours[k]] + c);
+        for (unsigned int c = 0; c < dim; ++c)
+          sparsity.add_entries(first_dofs[node] + c, dofs.begin(), dofs.end());
+      }
+    sparsity.compress();
+  }
+
+  template <int dim>
+  void
+  NodeGraph<dim>::find_places()
+  {
+    const Epetra_CrsGraph &graph   = sparsity.trilinos_sparsity_pattern();
+    const Epetra_BlockMap &columns = graph.ColMap();
+    std::vector<int>       column_of(dim * first_dofs.size());
+    for (unsigned int i = 0; i < column_of.size(); ++i)
+      column_of[i] =
+        columns.LID(static_cast<int>(first_dofs[i / dim] + i % dim));
+
+    std::vector<unsigned int> place_of_column(columns.NumMyElements());
+    places.resize(dim * first[n_owned]);
+    for (unsigned int node = 0; node < n_owned; ++node)
+      for (unsigned int c = 0; c < dim; ++c)
+        {
+          int n, *row;
+          graph.ExtractMyRowView(dim * node + c, n, row);
+          for (int i = 0; i < n; ++i)
+            place_of_column[row[i]] = i;
+          for (std::size_t k = dim * first[node]; k < dim * first[node + 1];
+               ++k)
+            {
+              const int column = column_of[dim * neighbours[k / dim] + k % dim];
+              const unsigned int place = place_of_column[column];
+              if (c == 0)
+                places[k] = place;
+              // all rows of a node have the same columns
+              AssertThrow(place == places[k] && row[place] == column,
+                          dealii::ExcInternalError());
+            }
+        }
+  }
+
+  template <int dim>
+  void
+  NodeGraph<dim>::find_places_of(const unsigned int node) const
+  {
+    for (std::size_t k = first[node]; k < first[node + 1]; ++k)
+      for (unsigned int d = 0; d < dim; ++d)
+        place_of_unknown[dim * neighbours[k] + d] = places[dim * k + d];
+  }
+
+  template <int dim>
+  void
+  NodeGraph<dim>::scatter(const Unknowns                   &unknowns,
+                          const dealii::FullMatrix<double> &block,
+                          Matrix                           &matrix) const
+  {
+    const std::size_t n = unknowns.size();
+    dofs.clear();
+    place_in_row.resize(n);
+    unsigned int last_node = dealii::numbers::invalid_unsigned_int;
+    for (std::size_t i = 0; i < n; ++i)
+      {
+        const unsigned int node   = unknowns[i] / dim;
+        const double      *values = &block(i, 0);
+        if (node >= n_owned)
+          {
+            if (dofs.empty())
+              for (const unsigned int unknown : unknowns)
+                dofs.push_back(first_dofs[unknown / dim] + unknown % dim);
+            matrix.add(dofs[i], n, dofs.data(), values);
+            continue;
+          }
+        if (node != last_node)
+          {
+            find_places_of(node);
+            for (std::size_t j = 0; j < n; ++j)
+              place_in_row[j] = place_of_unknown[unknowns[j]];
+          }
+        last_node   = node;
+        double *row = matrix.trilinos_matrix()[unknowns[i]];
+        for (std::size_t j = 0; j < n; ++j)
+          row[place_in_row[j]] += values[j];
+      }
+  }
+
+  template <int dim>
+  void
+  NodeGraph<dim>::hand_to_roots(const dealii::FullMatrix<double> &block) const
+  {
+    // the roots come behind; each unknown is a sum over some of all these
+    const unsigned int n = block.m();
+    shares.resize(n);
+    for (unsigned int i = 0; i < n; ++i)
+      {
+        shares[i].clear();
+        if (is_free[extended[i]])
+          shares[i].emplace_back(i, 1.);
+        if (!is_following[extended[i]])
+          continue;
+        for (const auto &[root, weight] : roots_of.at(extended[i]))
+          {
+            const auto place =
+              std::find(extended.begin(), extended.end(), root);
+            shares[i].emplace_back(place - extended.begin(), weight);
+            if (place == extended.end())
+              extended.push_back(root);
+          }
+      }
+    const unsigned int n_all = extended.size();
+    half_condensed.reinit(n_all, n);
+    for (unsigned int i = 0; i < n; ++i)
+      for (const auto &[k, weight] : shares[i])
+        for (unsigned int j = 0; j < n; ++j)
+          half_condensed(k, j) += weight * block(i, j);
+    condensed.reinit(n_all, n_all);
+    for (unsigned int k = 0; k < n_all; ++k)
+      for (unsigned int j = 0; j < n; ++j)
+        for (const auto &[l, weight] : shares[j])
+          condensed(k, l) += weight * half_condensed(k, j);
+  }
+
+  template <int dim>
+  void
+  NodeGraph<dim>::condense(const Unknowns                   &unknowns,
+                           const dealii::FullMatrix<double> &block) const
+  {
+    const unsigned int n = unknowns.size();
+    extended             = unknowns;
+    double mean          = 0.;
+    for (unsigned int i = 0; i < n; ++i)
+      mean += std::abs(block(i, i)) / n;
+    if (std::none_of(unknowns.begin(), unknowns.end(), [&](const auto i) {
+          return is_following[i];
+        }))
+      {
+        condensed = block;
+        for (unsigned int i = 0; i < n; ++i)
+          if (!is_free[unknowns[i]])
+            for (unsigned int j = 0; j < n; ++j)
+              condensed(i, j) = condensed(j, i) = 0.;
+      }
+    else
+      hand_to_roots(block);
+    // an equation without couplings, of the size of the others
+    for (unsigned int i = 0; i < n; ++i)
+      if (!is_free[unknowns[i]])
+        condensed(i, i) = block(i, i) != 0. ? std::abs(block(i, i)) : mean;
+  }
+
+  template <int dim>
+  void
+  NodeGraph<dim>::add(const unsigned int               *nodes,
+                      const dealii::FullMatrix<double> &block,
+                      Matrix                           &matrix) const
+  {
+    const unsigned int n = block.m() / dim;
+    list.clear();
+    bool all_free = true;
+    for (unsigned int a = 0; a < n; ++a)
+      for (unsigned int c = 0; c < dim; ++c)
+        {
+          list.push_back(dim * nodes[a] + c);
+          all_free = all_free && is_free[list.back()];
+        }
+    if (all_free)
+      return scatter(list, block, matrix);
+    condense(list, block);
+    scatter(extended, condensed, matrix);
+  }
+
+  template <int dim>
+  void
+  NodeGraph<dim>::add_components(const unsigned int               *nodes,
+                                 const dealii::FullMatrix<double> &nodal,
+                                 const Conditions                  conditions,
+                                 Matrix                           &matrix) const
+  {
+    const unsigned int n = nodal.m();
+    for (unsigned int c = 0; c < dim; ++c)
+      {
+        list.clear();
+        bool all_free = true;
+        for (unsigned int a = 0; a < n; ++a)
+          {
+            list.push_back(dim * nodes[a] + c);
+            all_free = all_free && is_free[list.back()];
+          }
+        if (all_free || conditions == Conditions::left_out)
+          scatter(list, nodal, matrix);
+        else
+          {
+            condense(list, nodal);
+            scatter(extended, condensed, matrix);
+          }
+      }
+  }
+
+  template class NodeGraph<2>;
+  template class NodeGraph<3>;
+} // namespace emmy
