@@ -1,9 +1,9 @@
 #include <deal.II/base/utilities.h>
 
-#include <emmy/effects/amplitude.h>
 #include <emmy/base/exceptions.h>
 #include <emmy/base/formula.h>
 #include <emmy/base/text.h>
+#include <emmy/effects/amplitude.h>
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
-#include <emmy/effects/exact_motion.h>
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/effects/exact_motion.h>
 
 #include <cmath>
 

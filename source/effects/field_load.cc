@@ -13,8 +13,8 @@ namespace emmy
 
   template <int dim>
   void
-  FieldLoad<dim>::add(const StepData<dim> &step,
-                      std::vector<double> &local_force) const
+  FieldLoad<dim>::add_load(const StepData<dim> &step,
+                           std::vector<double> &local_force) const
   {
     const double                *weight = step.points.component(component);
     const dealii::Tensor<1, dim> q =
@@ -34,8 +34,8 @@ namespace emmy
 
   template <int dim>
   void
-  FieldLoad<dim>::add_at_points(const StepData<dim> &step,
-                                std::vector<double> &point_force) const
+  FieldLoad<dim>::add_load_at_points(const StepData<dim> &step,
+                                     std::vector<double> &point_force) const
   {
     const double                *weight = step.points.component(component);
     const dealii::Tensor<1, dim> q =

@@ -40,11 +40,9 @@ namespace emmy
                              shortest(mass_penalty),
                              "both penalties are zero. Give one, or take "
                              "<ghost stabilisation> from Effects/Names."));
-    effects.terms.push_back(std::make_unique<GhostStiffness<dim>>());
-    effects.ghost_faces =
-      std::make_unique<const GhostFaces<dim>>(mass_penalty,
-                                              stiffness_penalty,
-                                              effects.material_of_body);
+    effects.terms.push_back(
+      std::make_unique<GhostStabilisation<dim>>(GhostFaces<dim>(
+        mass_penalty, stiffness_penalty, effects.material_of_body)));
   }
 
   template <int dim>
@@ -59,33 +57,136 @@ namespace emmy
   }
 
   template <int dim>
+  GhostStabilisation<dim>::GhostStabilisation(GhostFaces<dim> find)
+    : find(std::move(find))
+  {}
+
+  template <int dim>
+  bool
+  GhostStabilisation<dim>::couples() const
+  {
+    return true;
+  }
+
+  template <int dim>
+  void
+  GhostStabilisation<dim>::couple(
+    const Stencils<dim>           &stencils,
+    const BackgroundGrid<dim>     &grid,
+    const BoundaryConditions<dim> &boundary_conditions,
+    Couplings<dim>                &couplings)
+  {
+    if (matrices[0].m() == 0)
+      for (unsigned int d = 0; d < dim; ++d)
+        matrices[d] = ghost_matrix<dim>(d, grid.cell_size());
+    faces      = find(stencils, grid, boundary_conditions);
+    first_node = couplings.node_ids.size();
+    for (const GhostFace<dim> &face : faces)
+      {
+        couplings.node_ids.insert(couplings.node_ids.end(),
+                                  face.node_ids.begin(),
+                                  face.node_ids.end());
+        couplings.group_sizes.push_back(face.node_ids.size());
+      }
+  }
+
+  template <int dim>
+  const unsigned int *
+  GhostStabilisation<dim>::nodes(const ActiveGrid<dim> &active,
+                                 const unsigned int     face) const
+  {
+    return active.coupled_nodes(first_node + face * GhostFace<dim>::n_nodes);
+  }
+
+  template <int dim>
   std::string
-  GhostStiffness<dim>::add(const StepData<dim> &step,
-                           const Iterate<dim>  &iterate,
-                           Vector              &force,
-                           Matrix              *jacobian) const
+  GhostStabilisation<dim>::mass_loss() const
+  {
+    return "ghost_mass_loss";
+  }
+
+  template <int dim>
+  void
+  GhostStabilisation<dim>::add_mass(const ActiveGrid<dim> &active,
+                                    const MassReceiver    &receive) const
+  {
+    constexpr unsigned int     n = GhostFace<dim>::n_nodes;
+    dealii::FullMatrix<double> mass(n, n);
+    const std::vector<double>  no_damping(n);
+    for (unsigned int f = 0; f < faces.size(); ++f)
+      {
+        mass = 0.;
+        mass.add(faces[f].mass, matrices[faces[f].direction]);
+        MassBlock block{nodes(active, f), mass, no_damping};
+        receive(block);
+      }
+  }
+
+  template <int dim>
+  double
+  GhostStabilisation<dim>::kinetic_energy(const ActiveGrid<dim> &active,
+                                          const Vector          &velocity) const
+  {
+    return 0.5 * product(active, velocity, &GhostFace<dim>::mass);
+  }
+
+  template <int dim>
+  double
+  GhostStabilisation<dim>::product(const ActiveGrid<dim> &active,
+                                   const Vector          &v,
+                                   double GhostFace<dim>::*coefficient) const
+  {
+    constexpr unsigned int n     = GhostFace<dim>::n_nodes;
+    const auto             local = active.to_local(v);
+    double                 sum   = 0.;
+    for (unsigned int f = 0; f < faces.size(); ++f)
+      {
+        const unsigned int *node = nodes(active, f);
+        const auto         &J    = matrices[faces[f].direction];
+        for (unsigned int a = 0; a < n; ++a)
+          for (unsigned int b = 0; b < n; ++b)
+            for (unsigned int c = 0; c < dim; ++c)
+              sum += faces[f].*coefficient * J(a, b) *
+                     local[dim * node[a] + c] * local[dim * node[b] + c];
+      }
+    return sum;
+  }
+
+  template <int dim>
+  bool
+  GhostStabilisation<dim>::is_force() const
+  {
+    return true;
+  }
+
+  template <int dim>
+  std::string
+  GhostStabilisation<dim>::add(const StepData<dim> &step,
+                               const Iterate<dim>  &iterate,
+                               Vector              &force,
+                               Matrix              *jacobian) const
   {
     constexpr unsigned int     n      = GhostFace<dim>::n_nodes;
     const ActiveGrid<dim>     &active = *step.start.active;
     std::vector<double>        local_force(dim * active.n_local_nodes());
     dealii::FullMatrix<double> stiffness(dim * n, dim * n);
-    for (unsigned int f = 0; f < step.start.ghost_faces.size(); ++f)
+    for (unsigned int f = 0; f < faces.size(); ++f)
       {
-        const GhostFace<dim> &face  = step.start.ghost_faces[f];
-        const unsigned int   *nodes = active.face_nodes(f);
-        const auto           &J     = step.start.ghost_matrices[face.direction];
-        stiffness                   = 0.;
+        const GhostFace<dim> &face = faces[f];
+        const unsigned int   *node = nodes(active, f);
+        const auto           &J    = matrices[face.direction];
+        stiffness                  = 0.;
         for (unsigned int a = 0; a < n; ++a)
           for (unsigned int b = 0; b < n; ++b)
             for (unsigned int c = 0; c < dim; ++c)
               {
                 const double k = 0.5 * face.stiffness * J(a, b);
-                local_force[dim * nodes[a] + c] +=
-                  k * iterate.local_displacement[dim * nodes[b] + c];
+                local_force[dim * node[a] + c] +=
+                  k * iterate.local_displacement[dim * node[b] + c];
                 stiffness(dim * a + c, dim * b + c) = k;
               }
         if (jacobian)
-          active.graph().add(nodes, stiffness, *jacobian);
+          active.graph().add(node, stiffness, *jacobian);
       }
     active.add(local_force, force);
     return "";
@@ -93,25 +194,26 @@ namespace emmy
 
   template <int dim>
   std::vector<EnergyEntry>
-  GhostStiffness<dim>::energies(const StepData<dim> &step,
-                                const Vector        &displacement,
-                                const PointArrays<dim> &) const
+  GhostStabilisation<dim>::energies(const StepData<dim> &step,
+                                    const Vector        &displacement,
+                                    const PointArrays<dim> &) const
   {
     std::vector<EnergyEntry> entries = energy_entries();
     entries[0].change =
-      0.5 * step.start.ghost_product(displacement, &GhostFace<dim>::stiffness);
+      0.5 *
+      product(*step.start.active, displacement, &GhostFace<dim>::stiffness);
     return entries;
   }
 
   template <int dim>
   std::vector<EnergyEntry>
-  GhostStiffness<dim>::energy_entries() const
+  GhostStabilisation<dim>::energy_entries() const
   {
     return {{"ghost_stiffness_loss", EnergyEntry::Kind::dissipated, 0.}};
   }
 
   template class GhostParameters<2>;
   template class GhostParameters<3>;
-  template class GhostStiffness<2>;
-  template class GhostStiffness<3>;
+  template class GhostStabilisation<2>;
+  template class GhostStabilisation<3>;
 } // namespace emmy

@@ -34,7 +34,7 @@ namespace emmy
     dealii::Tensor<1, dim> g;
     for (unsigned int d = 0; d < dim; ++d)
       g[d] = acceleration[d];
-    effects.loads.push_back(std::make_unique<Gravity<dim>>(
+    effects.terms.push_back(std::make_unique<Gravity<dim>>(
       g, layout["mass"], Amplitude(amplitude, this->path())));
   }
 

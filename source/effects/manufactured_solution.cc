@@ -1,6 +1,6 @@
-#include <emmy/effects/manufactured_solution.h>
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/effects/manufactured_solution.h>
 #include <emmy/math/kinematics.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ namespace emmy
 
     /** f_A = sum S_Ap m_p b(X_p, t + dt/2), as the mid-point rule wants it. */
     template <int dim>
-    class ExactLoad : public StepLoad<dim>
+    class ExactLoad : public Effect<dim>
     {
     public:
       ExactLoad(SharedMotion<dim>                  motion,
@@ -42,9 +42,15 @@ namespace emmy
         , mass(mass)
       {}
 
+      bool
+      is_load() const override
+      {
+        return true;
+      }
+
       void
-      add(const StepData<dim> &step,
-          std::vector<double> &local_force) const override
+      add_load(const StepData<dim> &step,
+               std::vector<double> &local_force) const override
       {
         const double *m = step.points.component(mass);
         for (const auto &group : step.stencils.groups)
@@ -64,8 +70,8 @@ namespace emmy
       }
 
       void
-      add_at_points(const StepData<dim> &step,
-                    std::vector<double> &point_force) const override
+      add_load_at_points(const StepData<dim> &step,
+                         std::vector<double> &point_force) const override
       {
         for (const auto &group : step.stencils.groups)
           {
@@ -103,7 +109,7 @@ namespace emmy
 
     /** Keeps where particles are at the start, and sets their velocities. */
     template <int dim>
-    class ExactStart : public Marker<dim>
+    class ExactStart : public Effect<dim>
     {
     public:
       ExactStart(SharedMotion<dim>  motion,
@@ -161,7 +167,7 @@ namespace emmy
 
     /** How far particles are from the motion. */
     template <int dim>
-    class ExactError : public Probe<dim>
+    class ExactError : public Effect<dim>
     {
     public:
       ExactError(SharedMotion<dim>  motion,
@@ -174,12 +180,19 @@ namespace emmy
         , volume(volume)
       {}
 
-      std::vector<StepMeasure>
-      measure(const PointArrays<dim> &points,
-              const double            time,
-              const MPI_Comm          communicator) const override
+      bool
+      measures() const override
       {
-        const double *V    = points.component(volume);
+        return true;
+      }
+
+      std::vector<StepMeasure>
+      measure(const PointArrays<dim>    &points,
+              const double               time,
+              const BackgroundGrid<dim> &grid) override
+      {
+        const MPI_Comm communicator = grid.communicator();
+        const double  *V            = points.component(volume);
         double of_position = 0., of_velocity = 0., total = 0., largest = 0.;
         for (std::size_t p = 0; p < points.n_points(); ++p)
           {
@@ -305,11 +318,11 @@ namespace emmy
       motion == "vibration" ? vibration.make(omega) : vortex.make(omega);
     const unsigned int reference = layout.add(card().fields[0]);
     const unsigned int velocity  = layout["velocity"];
-    effects.loads.push_back(std::make_unique<ExactLoad<dim>>(
+    effects.terms.push_back(std::make_unique<ExactLoad<dim>>(
       exact, effects.material_of_body, reference, layout["mass"]));
-    effects.markers.push_back(std::make_unique<ExactStart<dim>>(
+    effects.terms.push_back(std::make_unique<ExactStart<dim>>(
       exact, this->path(), reference, velocity));
-    effects.probes.push_back(std::make_unique<ExactError<dim>>(
+    effects.terms.push_back(std::make_unique<ExactError<dim>>(
       exact, reference, velocity, layout["reference_volume"]));
   }
 

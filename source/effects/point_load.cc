@@ -1,7 +1,7 @@
-#include <emmy/effects/point_load.h>
 #include <emmy/base/exceptions.h>
 #include <emmy/base/formula.h>
 #include <emmy/base/text.h>
+#include <emmy/effects/point_load.h>
 #include <emmy/particles/nearest.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ namespace emmy
      * three times.
      */
     template <int dim>
-    class SharesAtPositions : public Marker<dim>
+    class SharesAtPositions : public Effect<dim>
     {
     public:
       SharesAtPositions(const std::vector<Point<dim>> &positions,
@@ -87,7 +87,7 @@ namespace emmy
 
     /** Gives equal shares to all particles where a formula is positive. */
     template <int dim>
-    class ParticlesInside : public Marker<dim>
+    class ParticlesInside : public Effect<dim>
     {
     public:
       ParticlesInside(const std::string &region,
@@ -212,13 +212,13 @@ namespace emmy
     dealii::Tensor<1, dim> F;
     for (unsigned int d = 0; d < dim; ++d)
       F[d] = force[d];
-    effects.loads.push_back(std::make_unique<PointLoad<dim>>(
+    effects.terms.push_back(std::make_unique<PointLoad<dim>>(
       F, share, Amplitude(amplitude, this->path())));
     if (positions.empty())
-      effects.markers.push_back(
+      effects.terms.push_back(
         std::make_unique<ParticlesInside<dim>>(region, this->path(), share));
     else
-      effects.markers.push_back(std::make_unique<SharesAtPositions<dim>>(
+      effects.terms.push_back(std::make_unique<SharesAtPositions<dim>>(
         positions, this->path(), share));
   }
 

@@ -1,10 +1,10 @@
-#include <emmy/effects/force_term.h>
+#include <emmy/effects/effect.h>
 #include <emmy/material/material.h>
 #include <emmy/output/measurement.h>
 #include <emmy/particles/shape.h>
 #include <emmy/particles/stencils.h>
-#include <emmy/solve/linear_solver.h>
 #include <emmy/run/catalogue.h>
+#include <emmy/solve/linear_solver.h>
 
 #include <algorithm>
 #include <iomanip>

@@ -1,14 +1,15 @@
-#include <emmy/effects/inertia.h>
-#include <emmy/effects/internal_force.h>
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/effects/inertia.h>
+#include <emmy/effects/internal_force.h>
+#include <emmy/effects/starved_nodes.h>
 #include <emmy/particles/body_measures.h>
 #include <emmy/particles/particle_count.h>
+#include <emmy/run/scene.h>
+#include <emmy/run/scene_card.h>
 #include <emmy/step/explicit_stepper.h>
 #include <emmy/step/step_size.h>
 #include <emmy/step/stepper.h>
-#include <emmy/run/scene.h>
-#include <emmy/run/scene_card.h>
 
 #include <algorithm>
 #include <cmath>
@@ -112,7 +113,11 @@ namespace emmy
     void
     require_explicit(const std::string &effect, const Effects<dim> &effects)
     {
-      AssertThrow(effects.terms.empty() && !effects.ghost_faces,
+      AssertThrow(std::none_of(effects.terms.begin(),
+                               effects.terms.end(),
+                               [](const auto &term) {
+                                 return term->is_force() || term->couples();
+                               }),
                   ExcParameter("Time",
                                "Integrator",
                                "explicit",
@@ -149,6 +154,12 @@ namespace emmy
             names_of_materials(parameters, bodies)));
           effects.name_new(internal_force_effect);
         }
+      if (parameters.method.starved_nodes == "follow" && !is_explicit)
+        {
+          effects.terms.push_back(
+            parameters.method.template make_starved_nodes<dim>(layout));
+          effects.name_new(starved_nodes_effect);
+        }
       for (const std::string &name : parameters.effect_names.names)
         {
           layout.set_effect(name);
@@ -157,9 +168,6 @@ namespace emmy
           if (is_explicit)
             require_explicit(name, effects);
         }
-      if (parameters.method.starved_nodes == "follow")
-        effects.aggregation =
-          parameters.method.template make_aggregation<dim>(layout);
       return effects;
     }
 
@@ -233,7 +241,7 @@ namespace emmy
         mapping.walls = PointMapping::Walls::constrained;
       if (parameters.time.is_explicit())
         make_explicit(parameters, mapping);
-      AssertThrow(!balance.aggregation() ||
+      AssertThrow(!balance.has(starved_nodes_effect) ||
                     mapping.walls == PointMapping::Walls::constrained,
                   ExcParameter(method.path(),
                                "Wall mapping",
@@ -460,7 +468,8 @@ namespace emmy
     if (boundary_conditions.has_walls())
       out << ", " << method.wall_mapping << " walls";
     out << '\n';
-    line("starved nodes") << (balance.aggregation() ? "follow" : "free");
+    line("starved nodes") << (balance.has(starved_nodes_effect) ? "follow"
+                                                                : "free");
     if (!parameters.why_free.empty())
       out << ": " << parameters.why_free;
     out << '\n';

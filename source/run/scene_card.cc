@@ -1,10 +1,10 @@
-#include <emmy/effects/aggregation_card.h>
-#include <emmy/effects/inertia.h>
-#include <emmy/effects/internal_force.h>
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
-#include <emmy/step/explicit_stepper.h>
+#include <emmy/effects/inertia.h>
+#include <emmy/effects/internal_force.h>
+#include <emmy/effects/starved_nodes.h>
 #include <emmy/run/scene_card.h>
+#include <emmy/step/explicit_stepper.h>
 
 #include <algorithm>
 #include <iomanip>
@@ -75,7 +75,7 @@ namespace emmy
         add(explicit_card(is_explicit));
         add_shape_functions();
         add(middle_card<dim>(scene.middle != nullptr));
-        add_aggregation();
+        add_starved_nodes();
         for (const auto &entry : effect_library<dim>().list())
           {
             EffectCard effect = entry.card;
@@ -208,15 +208,15 @@ namespace emmy
       }
 
       void
-      add_aggregation()
+      add_starved_nodes()
       {
-        const bool is_present         = scene.balance.aggregation() != nullptr;
+        const bool is_present         = scene.balance.has(starved_nodes_effect);
         std::optional<std::int64_t> n = 0;
         if (is_present)
           n = card.nonzeros - nonzeros(stencils, points, named, false);
         else if (with_absent)
           n = nonzeros(stencils, points, named, true) - card.nonzeros;
-        add(aggregation_card(is_present), n);
+        add(StarvedNodes<dim>::card(is_present), n);
       }
 
       std::optional<std::int64_t>
@@ -229,8 +229,11 @@ namespace emmy
           others.erase(std::find(others.begin(), others.end(), effect.name));
         try
           {
-            const std::int64_t n = nonzeros(
-              stencils, points, others, scene.balance.aggregation() != nullptr);
+            const std::int64_t n =
+              nonzeros(stencils,
+                       points,
+                       others,
+                       scene.balance.has(starved_nodes_effect));
             return effect.is_present ? card.nonzeros - n : n - card.nonzeros;
           }
         catch (const ExcParameter &) // of all ranks: from the parameter file
@@ -260,21 +263,7 @@ namespace emmy
         return nonzeros(others,
                         gather(others, layout),
                         named,
-                        scene.balance.aggregation() != nullptr);
-      }
-
-      /** Also in a scene without them. Collective. */
-      Aggregates<dim>
-      followers(const Stencils<dim>    &stencils,
-                const PointArrays<dim> &points) const
-      {
-        const auto aggregation =
-          parameters.method.template make_aggregation<dim>(scene.layout);
-        return aggregation->find(aggregation->classify(stencils,
-                                                       points,
-                                                       scene.grid),
-                                 stencils,
-                                 scene.grid);
+                        scene.balance.has(starved_nodes_effect));
       }
 
       /** Of a matrix with these stencils and effects. Collective. */
@@ -287,18 +276,18 @@ namespace emmy
         Effects<dim> effects;
         effects.material_of_body = scene.material_of_body;
         FieldLayout layout       = scene.layout;
+        if (follows)
+          effects.terms.push_back(
+            parameters.method.template make_starved_nodes<dim>(layout));
         for (const std::string &name : names)
           parameters.effects.at(name)->add_to(effects, layout);
-        const auto faces = effects.ghost_faces
-                             ? (*effects.ghost_faces)(stencils,
-                                                      scene.grid,
-                                                      scene.boundary_conditions)
-                             : std::vector<GhostFace<dim>>();
-        const auto aggregates =
-          follows ? followers(stencils, points) : Aggregates<dim>();
+        const Balance<dim> balance(std::move(effects));
+        balance.classify(stencils, points, scene.grid, nullptr);
         return ActiveGrid<dim>(stencils,
-                               faces,
-                               aggregates,
+                               balance.couplings(stencils,
+                                                 scene.grid,
+                                                 scene.boundary_conditions,
+                                                 nullptr),
                                scene.grid,
                                scene.boundary_conditions,
                                scene.explicit_force

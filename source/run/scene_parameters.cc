@@ -157,8 +157,8 @@ namespace emmy
   }
 
   template <int dim>
-  std::unique_ptr<const Aggregation<dim>>
-  MethodParameters::make_aggregation(const FieldLayout &layout) const
+  std::unique_ptr<StarvedNodes<dim>>
+  MethodParameters::make_starved_nodes(const FieldLayout &layout) const
   {
     AssertThrow(starved_threshold < 1.,
                 ExcParameter(path(),
@@ -171,11 +171,10 @@ namespace emmy
     const double usual = shape_functions != "linear" ? 0.02
                          : dim == 2                  ? 0.15
                                                      : 0.1;
-    return std::make_unique<const Aggregation<dim>>(starved_threshold > 0.
-                                                      ? starved_threshold
-                                                      : usual,
-                                                    layout["mass"],
-                                                    layout["reference_volume"]);
+    return std::make_unique<StarvedNodes<dim>>(
+      Aggregation<dim>(starved_threshold > 0. ? starved_threshold : usual,
+                       layout["mass"],
+                       layout["reference_volume"]));
   }
 
   PointMapping
@@ -485,10 +484,10 @@ namespace emmy
     return ParameterFile::from_text(text.str(), "reference");
   }
 
-  template std::unique_ptr<const Aggregation<2>>
-  MethodParameters::make_aggregation<2>(const FieldLayout &) const;
-  template std::unique_ptr<const Aggregation<3>>
-  MethodParameters::make_aggregation<3>(const FieldLayout &) const;
+  template std::unique_ptr<StarvedNodes<2>>
+  MethodParameters::make_starved_nodes<2>(const FieldLayout &) const;
+  template std::unique_ptr<StarvedNodes<3>>
+  MethodParameters::make_starved_nodes<3>(const FieldLayout &) const;
   template class SceneParameters<2>;
   template class SceneParameters<3>;
 } // namespace emmy

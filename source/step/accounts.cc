@@ -117,8 +117,7 @@ namespace emmy
   std::vector<EnergyEntry>
   account_entries(const StepAccounts &accounts,
                   const PointMapping &mapping,
-                  const bool          has_moving_walls,
-                  const bool          has_ghost_faces)
+                  const bool          has_moving_walls)
   {
     using Kind = EnergyEntry::Kind;
     std::vector<EnergyEntry> entries;
@@ -130,9 +129,8 @@ namespace emmy
     if (mapping.flip_fraction < 1.)
       entries.push_back(
         {"mapping_loss", Kind::dissipated, accounts.mapping_loss});
-    if (has_ghost_faces)
-      entries.push_back(
-        {"ghost_mass_loss", Kind::dissipated, accounts.ghost_mass_loss});
+    for (const EnergyEntry &loss : accounts.mass_losses)
+      entries.push_back(loss);
     if (mapping.walls == PointMapping::Walls::inelastic)
       entries.push_back({"wall_loss", Kind::dissipated, accounts.wall_loss});
     return entries;
@@ -191,6 +189,7 @@ namespace emmy
   template <int dim>
   StepAccounts
   accounts(const StepData<dim>     &step,
+           const Balance<dim>      &balance,
            const StepEquation<dim> &equation,
            const FieldLayout       &layout,
            const PointMapping      &mapping,
@@ -218,22 +217,14 @@ namespace emmy
                            active.to_local(velocity_new),
                            result);
       }
-    if (step.start.ghost_matrices[0].m() > 0)
-      {
-        const auto timed  = effect_scope(step.phases, ghost_effect);
-        Vector     change = velocity_new;
-        change -= step.start.mapped_velocity;
-        result.ghost_mass_loss =
-          0.5 * dealii::Utilities::MPI::sum(
-                  step.start.ghost_product(change, &GhostFace<dim>::mass),
-                  step.start.active->communicator());
-        if (!has_losses) // M~ has the ghost mass, which no particle carries
-          result.hidden_kinetic_energy -=
-            0.5 * dealii::Utilities::MPI::sum(
-                    step.start.ghost_product(step.start.mapped_velocity,
-                                             &GhostFace<dim>::mass),
-                    step.start.active->communicator());
-      }
+    Vector change = velocity_new;
+    change -= step.start.mapped_velocity;
+    result.mass_losses =
+      balance.mass_losses(*step.start.active, change, step.phases);
+    if (!has_losses) // M~ has masses that no particle carries
+      for (const EnergyEntry &hidden : balance.mass_losses(
+             *step.start.active, step.start.mapped_velocity, step.phases))
+        result.hidden_kinetic_energy -= hidden.change;
     return result;
   }
 
@@ -249,6 +240,7 @@ namespace emmy
 #undef INSTANTIATE
   template StepAccounts
   accounts<2>(const StepData<2> &,
+              const Balance<2> &,
               const StepEquation<2> &,
               const FieldLayout &,
               const PointMapping &,
@@ -257,6 +249,7 @@ namespace emmy
               const double);
   template StepAccounts
   accounts<3>(const StepData<3> &,
+              const Balance<3> &,
               const StepEquation<3> &,
               const FieldLayout &,
               const PointMapping &,

@@ -1,6 +1,6 @@
-#include <emmy/step/balance.h>
-#include <emmy/effects/moving_places.h>
 #include <emmy/base/exceptions.h>
+#include <emmy/effects/moving_places.h>
+#include <emmy/step/balance.h>
 
 #include <algorithm>
 
@@ -40,46 +40,137 @@ namespace emmy
   }
 
   template <int dim>
+  template <class Hook>
+  void
+  Balance<dim>::for_each(Phases *phases,
+                         bool (Effect<dim>::*has)() const,
+                         Hook hook) const
+  {
+    for (std::size_t i = 0; i < effects.terms.size(); ++i)
+      {
+        Effect<dim> &effect = *effects.terms[i];
+        if (!(effect.*has)())
+          continue;
+        const auto timed = effect_scope(phases, effects.term_names[i]);
+        hook(effect);
+      }
+  }
+
+  template <int dim>
+  bool
+  Balance<dim>::has(const std::string &effect) const
+  {
+    const auto &names = effects.term_names;
+    return std::find(names.begin(), names.end(), effect) != names.end();
+  }
+
+  template <int dim>
   std::vector<std::string>
   Balance<dim>::mark(const BackgroundGrid<dim>               &grid,
                      dealii::Particles::ParticleHandler<dim> &particles) const
   {
     std::vector<std::string> notes;
-    for (const auto &marker : effects.markers)
-      notes.push_back(marker->mark(grid, particles));
+    for (const auto &term : effects.terms)
+      if (std::string note = term->mark(grid, particles); !note.empty())
+        notes.push_back(std::move(note));
     return notes;
   }
 
   template <int dim>
-  std::vector<StepMeasure>
-  Balance<dim>::measures(const PointArrays<dim> &points,
-                         const double            time,
-                         const MPI_Comm          communicator,
-                         Phases                 *phases) const
+  void
+  Balance<dim>::classify(const Stencils<dim>       &stencils,
+                         const PointArrays<dim>    &points,
+                         const BackgroundGrid<dim> &grid,
+                         Phases                    *phases) const
   {
-    std::vector<StepMeasure> result;
-    for (std::size_t i = 0; i < effects.probes.size(); ++i)
-      {
-        const auto timed = effect_scope(phases, effects.probe_names[i]);
-        for (StepMeasure &measure :
-             effects.probes[i]->measure(points, time, communicator))
-          result.push_back(std::move(measure));
-      }
+    for_each(phases, &Effect<dim>::couples, [&](Effect<dim> &effect) {
+      effect.classify(stencils, points, grid);
+    });
+  }
+
+  template <int dim>
+  Couplings<dim>
+  Balance<dim>::couplings(const Stencils<dim>           &stencils,
+                          const BackgroundGrid<dim>     &grid,
+                          const BoundaryConditions<dim> &boundary_conditions,
+                          Phases                        *phases) const
+  {
+    Couplings<dim> result;
+    for_each(phases, &Effect<dim>::couples, [&](Effect<dim> &effect) {
+      effect.couple(stencils, grid, boundary_conditions, result);
+    });
+    if (!mass_loss_entries().empty())
+      result.hand_out_mass = [this, phases](const ActiveGrid<dim> &active,
+                                            const MassReceiver    &receive) {
+        for_each(phases, &Effect<dim>::couples, [&](Effect<dim> &effect) {
+          effect.add_mass(active, receive);
+        });
+      };
     return result;
   }
 
   template <int dim>
-  const GhostFaces<dim> *
-  Balance<dim>::ghost_faces() const
+  std::vector<EnergyEntry>
+  Balance<dim>::mass_losses(const ActiveGrid<dim> &active,
+                            const Vector          &change,
+                            Phases                *phases) const
   {
-    return effects.ghost_faces.get();
+    std::vector<EnergyEntry> entries;
+    for_each(phases, &Effect<dim>::couples, [&](Effect<dim> &effect) {
+      if (const std::string name = effect.mass_loss(); !name.empty())
+        entries.push_back(
+          {name,
+           EnergyEntry::Kind::dissipated,
+           dealii::Utilities::MPI::sum(effect.kinetic_energy(active, change),
+                                       active.communicator())});
+    });
+    return entries;
   }
 
   template <int dim>
-  const Aggregation<dim> *
-  Balance<dim>::aggregation() const
+  std::vector<EnergyEntry>
+  Balance<dim>::mass_loss_entries() const
   {
-    return effects.aggregation.get();
+    std::vector<EnergyEntry> entries;
+    for (const auto &term : effects.terms)
+      if (const std::string name = term->mass_loss(); !name.empty())
+        entries.push_back({name, EnergyEntry::Kind::dissipated, 0.});
+    return entries;
+  }
+
+  template <int dim>
+  std::vector<std::string>
+  Balance<dim>::findings() const
+  {
+    std::vector<std::string> findings;
+    for (const auto &term : effects.terms)
+      if (std::string finding = term->finding(); !finding.empty())
+        findings.push_back(std::move(finding));
+    return findings;
+  }
+
+  template <int dim>
+  std::vector<StepMeasure>
+  Balance<dim>::measures(const PointArrays<dim>    &points,
+                         const double               time,
+                         const BackgroundGrid<dim> &grid,
+                         Phases                    *phases) const
+  {
+    std::vector<StepMeasure> result;
+    for_each(phases, &Effect<dim>::measures, [&](Effect<dim> &effect) {
+      for (StepMeasure &measure : effect.measure(points, time, grid))
+        result.push_back(std::move(measure));
+    });
+    return result;
+  }
+
+  template <int dim>
+  bool
+  Balance<dim>::has_loads() const
+  {
+    return std::any_of(effects.terms.begin(),
+                       effects.terms.end(),
+                       [](const auto &term) { return term->is_load(); });
   }
 
   template <int dim>
@@ -87,13 +178,11 @@ namespace emmy
   Balance<dim>::loads(const StepData<dim> &step) const
   {
     std::vector<double> local;
-    if (!effects.loads.empty())
+    if (has_loads())
       local.resize(dim * step.start.active->n_local_nodes());
-    for (std::size_t i = 0; i < effects.loads.size(); ++i)
-      {
-        const auto timed = effect_scope(step.phases, effects.load_names[i]);
-        effects.loads[i]->add(step, local);
-      }
+    for_each(step.phases, &Effect<dim>::is_load, [&](Effect<dim> &effect) {
+      effect.add_load(step, local);
+    });
     return local;
   }
 
@@ -102,13 +191,11 @@ namespace emmy
   Balance<dim>::point_forces(const StepData<dim> &step) const
   {
     std::vector<double> forces;
-    if (!effects.loads.empty())
+    if (has_loads())
       forces.resize(dim * step.points.n_points());
-    for (std::size_t i = 0; i < effects.loads.size(); ++i)
-      {
-        const auto timed = effect_scope(step.phases, effects.load_names[i]);
-        effects.loads[i]->add_at_points(step, forces);
-      }
+    for_each(step.phases, &Effect<dim>::is_load, [&](Effect<dim> &effect) {
+      effect.add_load_at_points(step, forces);
+    });
     return forces;
   }
 
@@ -120,7 +207,7 @@ namespace emmy
     for (const auto &term : effects.terms)
       for (const auto &entry : term->energy_entries())
         entries.push_back(entry);
-    if (!effects.loads.empty())
+    if (has_loads())
       entries.push_back({"load_work", EnergyEntry::Kind::work, 0.});
     return entries;
   }
@@ -136,7 +223,7 @@ namespace emmy
     , trial_states(step.points)
   {
     tangent.reinit(step.start.active->sparsity());
-    if (!balance.effects.loads.empty())
+    if (balance.has_loads())
       step.start.active->add(balance.loads(step), external_force);
   }
 
@@ -163,6 +250,8 @@ namespace emmy
     Vector force = active.make_vector();
     for (std::size_t i = 0; i < balance.effects.terms.size(); ++i)
       {
+        if (!balance.effects.terms[i]->is_force())
+          continue;
         force = 0.;
         std::string problem;
         {
@@ -317,20 +406,17 @@ namespace emmy
   StepEquation<dim>::energies(const Vector &solution) const
   {
     std::vector<EnergyEntry> entries;
-    for (std::size_t i = 0; i < balance.effects.terms.size(); ++i)
-      {
-        const auto timed =
-          effect_scope(step.phases, balance.effects.term_names[i]);
-        for (auto entry :
-             balance.effects.terms[i]->energies(step, solution, trial_states))
+    balance.for_each(
+      step.phases, &Effect<dim>::is_force, [&](Effect<dim> &effect) {
+        for (auto entry : effect.energies(step, solution, trial_states))
           {
             entry.change =
               dealii::Utilities::MPI::sum(entry.change,
                                           step.start.active->communicator());
             entries.push_back(entry);
           }
-      }
-    if (!balance.effects.loads.empty())
+      });
+    if (balance.has_loads())
       entries.push_back(
         {"load_work", EnergyEntry::Kind::work, external_force * solution});
     return entries;

@@ -110,12 +110,10 @@ namespace emmy
   ExplicitStepper<dim>::particles_to_grid(const Stencils<dim>    &stencils,
                                           const PointArrays<dim> &points)
   {
-    if (!start.active ||
-        !start.active->fits(stencils, start.ghost_faces, start.aggregates))
+    if (!start.active || !start.active->fits(stencils, {}))
       start.active = std::make_unique<const ActiveGrid<dim>>(
         stencils,
-        start.ghost_faces,
-        start.aggregates,
+        Couplings<dim>(),
         grid,
         boundary_conditions,
         ActiveGrid<dim>::Matrices::none);
@@ -323,8 +321,8 @@ namespace emmy
       overfill(step.stencils, step.points, trial, layout, *start.active, grid),
       where(),
       result);
-    for (StepMeasure &measure : method.balance.measures(
-           trial, result.time, grid.communicator(), &phases))
+    for (StepMeasure &measure :
+         method.balance.measures(trial, result.time, grid, &phases))
       result.measures.push_back(std::move(measure));
     result.active_cells =
       dealii::Utilities::MPI::sum(static_cast<std::uint64_t>(
@@ -341,8 +339,7 @@ namespace emmy
     std::vector<EnergyEntry> entries =
       emmy::account_entries(accounts,
                             method.mapping,
-                            boundary_conditions.has_moving_walls(),
-                            /*has_ghost_faces=*/false);
+                            boundary_conditions.has_moving_walls());
     entries.push_back(
       {"velocity_update_loss", EnergyEntry::Kind::dissipated, loss});
     return entries;
@@ -366,7 +363,7 @@ namespace emmy
     detector.begin(
       overfill(stencils, points, points, layout, *start.active, grid), result);
     for (StepMeasure &measure :
-         method.balance.measures(points, time, grid.communicator(), &phases))
+         method.balance.measures(points, time, grid, &phases))
       result.measures.push_back(std::move(measure));
     kinetic_energy  = result.totals.kinetic_energy;
     result.energies = force.energy_entries();

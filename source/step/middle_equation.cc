@@ -60,9 +60,17 @@ namespace emmy
     {
       const auto timed = start.phases->scope("particles to grid");
       if (!on_grid) // classes are those of the first places
-        start.particles_to_grid.classify(next->stencils, next->points);
-      on_grid = &start.particles_to_grid.renew_but_for_mass(next->stencils,
-                                                            next->points);
+        start.balance.classify(next->stencils,
+                               next->points,
+                               start.rules.grid,
+                               start.phases);
+      on_grid = &start.particles_to_grid.renew_but_for_mass(
+        next->stencils,
+        next->points,
+        start.balance.couplings(next->stencils,
+                                start.rules.grid,
+                                start.boundary_conditions,
+                                start.phases));
     }
     active = on_grid->active;
     if (solution && before != active)

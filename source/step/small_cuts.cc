@@ -1,6 +1,8 @@
-#include <emmy/effects/inertia.h>
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/effects/ghost_faces.h>
+#include <emmy/effects/inertia.h>
+#include <emmy/effects/starved_nodes.h>
 #include <emmy/step/small_cuts.h>
 
 #include <algorithm>
@@ -323,9 +325,10 @@ namespace emmy
   small_cut_remedy(const Balance<dim> &balance, const PointMapping &mapping)
   {
     std::string remedy = "Against small cuts, ";
-    remedy += balance.aggregation() ? "raise Method/Starved threshold"
-                                    : "set Method/Starved nodes = follow";
-    remedy += balance.ghost_faces()
+    remedy += balance.has(starved_nodes_effect)
+                ? "raise Method/Starved threshold"
+                : "set Method/Starved nodes = follow";
+    remedy += balance.has(ghost_effect)
                 ? ", or raise Effects/Ghost stabilisation/Mass penalty"
                 : ", or add ghost stabilisation (often a Mass penalty of 1e-3 "
                   "and no Stiffness penalty will do; it costs energy)";

@@ -1,6 +1,7 @@
-#include <emmy/effects/inertia.h>
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/effects/inertia.h>
+#include <emmy/effects/starved_nodes.h>
 #include <emmy/step/stepper.h>
 #include <emmy/step/velocity_map.h>
 
@@ -27,13 +28,11 @@ namespace emmy
                         boundary_conditions,
                         layout,
                         method.mapping,
-                        method.balance.ghost_faces(),
-                        method.balance.aggregation(),
                         &phases)
     , domains(method.domain_update, grid, layout, phases)
     , detector({layout.has("half_length"),
                 method.middle != nullptr,
-                method.balance.aggregation() != nullptr ||
+                method.balance.has(starved_nodes_effect) ||
                   method.mapping.walls != PointMapping::Walls::constrained,
                 method.mapping.flip_fraction < 1.})
   {}
@@ -45,7 +44,8 @@ namespace emmy
     // particles -> grid -> solve; as long as this fails, particles keep their
     // states
     Solution solution = solve();
-    tell_of_followers(solution);
+    for (const std::string &finding : method.balance.findings())
+      solution.findings.push_back(where() + ": " + finding);
     if (method.diagnosis.small_cuts)
       timed("diagnosis", [&] { examine(solution); });
 
@@ -63,11 +63,10 @@ namespace emmy
     });
     count_points(solution.ground().points.n_points(),
                  solution.newton.residual_history.size());
-    velocity       = std::move(solution.velocity);
-    classes_before = start->classes;
-    wall_travel    = solution.wall_travel;
-    time           = result.time;
-    step_number    = result.step;
+    velocity    = std::move(solution.velocity);
+    wall_travel = solution.wall_travel;
+    time        = result.time;
+    step_number = result.step;
     return result;
   }
 
@@ -125,8 +124,12 @@ namespace emmy
         const auto &[stencils, points] = *solution.at_start;
         GridStart<dim> &at_start =
           timed("particles to grid", [&]() -> GridStart<dim> & {
-            particles_to_grid.classify(stencils, points);
-            return particles_to_grid(stencils, points);
+            method.balance.classify(stencils, points, grid, &phases);
+            return particles_to_grid(
+              stencils,
+              points,
+              method.balance.couplings(
+                stencils, grid, boundary_conditions, &phases));
           });
         start = &at_start;
         timed("velocity from momentum",
@@ -157,7 +160,6 @@ namespace emmy
         time);
     const auto            ground = ground_at_start();
     const ActiveGrid<dim> active(ground.stencils,
-                                 {},
                                  {},
                                  grid,
                                  boundary_conditions,
@@ -316,7 +318,7 @@ namespace emmy
     std::vector<std::string> settings;
     if (!layout.has("half_length"))
       settings.push_back("Method/Shape functions = GIMP");
-    if (!method.balance.aggregation())
+    if (!method.balance.has(starved_nodes_effect))
       settings.push_back("Method/Starved nodes = follow");
     return settings.empty()
              ? std::string()
@@ -416,19 +418,6 @@ namespace emmy
 
   template <int dim>
   void
-  Stepper<dim>::tell_of_followers(Solution &solution)
-  {
-    const Aggregates<dim> &found = start->aggregates;
-    if (found.largest_weight <= largest_weight &&
-        found.n_kept <= most_free_starved)
-      return;
-    largest_weight    = std::max(largest_weight, found.largest_weight);
-    most_free_starved = std::max(most_free_starved, found.n_kept);
-    solution.findings.push_back(where() + ": " + found.text());
-  }
-
-  template <int dim>
-  void
   Stepper<dim>::add_measures(const PointArrays<dim>   &points,
                              const double              time,
                              std::vector<StepMeasure> &measures) const
@@ -440,21 +429,8 @@ namespace emmy
         measures.push_back(
           {"jacobian_condition", findings ? findings->jacobian.condition : 0.});
       }
-    if (method.balance.aggregation())
-      {
-        const Aggregates<dim> &found = start->aggregates;
-        for (const auto &[name, value] :
-             {std::make_pair("followers", double(found.n_followers)),
-              std::make_pair("free_starved", double(found.n_kept)),
-              std::make_pair("farthest_root", double(found.farthest_root)),
-              std::make_pair("largest_weight", found.largest_weight),
-              std::make_pair(
-                "class_changes",
-                double(class_changes(classes_before, start->classes, grid)))})
-          measures.push_back({name, value});
-      }
     for (StepMeasure &measure :
-         method.balance.measures(points, time, grid.communicator(), &phases))
+         method.balance.measures(points, time, grid, &phases))
       measures.push_back(std::move(measure));
   }
 
@@ -568,9 +544,11 @@ namespace emmy
   Stepper<dim>::initial_report()
   {
     const auto &[stencils, points] = ground_at_start();
-    particles_to_grid.classify(stencils, points);
-    start          = &particles_to_grid(stencils, points);
-    classes_before = start->classes;
+    method.balance.classify(stencils, points, grid, &phases);
+    start = &particles_to_grid(
+      stencils,
+      points,
+      method.balance.couplings(stencils, grid, boundary_conditions, &phases));
 
     StepReport result;
     result.time_step =
@@ -579,7 +557,9 @@ namespace emmy
         .time_step;
     result.totals   = measure(points, layout, grid.communicator());
     result.energies = method.balance.energy_entries();
-    for (const EnergyEntry &entry : account_entries(StepAccounts()))
+    StepAccounts no_accounts;
+    no_accounts.mass_losses = method.balance.mass_loss_entries();
+    for (const EnergyEntry &entry : account_entries(no_accounts))
       result.energies.push_back(entry);
     detector.begin(
       overfill(stencils, points, points, layout, *start->active, grid), result);
@@ -617,6 +597,7 @@ namespace emmy
     const StepAccounts books = accounts(
       StepData<dim>{
         stencils, points, *start, time, solution.time_step, &phases},
+      method.balance,
       equation,
       layout,
       method.mapping,
@@ -676,8 +657,7 @@ namespace emmy
   {
     return emmy::account_entries(accounts,
                                  method.mapping,
-                                 boundary_conditions.has_moving_walls(),
-                                 method.balance.ghost_faces() != nullptr);
+                                 boundary_conditions.has_moving_walls());
   }
 
   template <int dim>

@@ -2,9 +2,9 @@
 
 #include <emmy/base/exceptions.h>
 #include <emmy/run/catalogue.h>
-#include <emmy/study/program.h>
 #include <emmy/run/run.h>
 #include <emmy/run/scene_parameters.h>
+#include <emmy/study/program.h>
 #include <emmy/study/study.h>
 #include <emmy/study/study_parameters.h>
 

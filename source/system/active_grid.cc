@@ -29,25 +29,15 @@ namespace emmy
 
   namespace
   {
-    template <int dim>
-    std::vector<global_dof_index>
-    ids_of(const std::vector<GhostFace<dim>> &faces)
-    {
-      std::vector<global_dof_index> ids;
-      for (const GhostFace<dim> &face : faces)
-        ids.insert(ids.end(), face.node_ids.begin(), face.node_ids.end());
-      return ids;
-    }
-
-    /** The grid's nodes, with the roots that lie beyond this rank's part. */
+    /** The grid's nodes, with the masters that lie beyond this rank's part. */
     template <int dim>
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner>
-    nodes_and_roots(const BackgroundGrid<dim>        &grid,
-                    const std::vector<Follower<dim>> &followers)
+    nodes_and_masters(const BackgroundGrid<dim>        &grid,
+                      const std::vector<TiedNode<dim>> &tied_nodes)
     {
       dealii::IndexSet ghosts = grid.nodes()->ghost_indices();
-      for (const Follower<dim> &follower : followers)
-        for (const auto &master : follower.masters)
+      for (const TiedNode<dim> &tied : tied_nodes)
+        for (const auto &master : tied.masters)
           ghosts.add_index(master.id);
       return std::make_shared<const dealii::Utilities::MPI::Partitioner>(
         grid.nodes()->locally_owned_range(), ghosts, grid.communicator());
@@ -56,43 +46,38 @@ namespace emmy
 
   template <int dim>
   ActiveGrid<dim>::ActiveGrid(
-    const Stencils<dim>               &stencils,
-    const std::vector<GhostFace<dim>> &faces,
-    const Aggregates<dim>             &aggregates,
-    const BackgroundGrid<dim>         &grid,
-    const BoundaryConditions<dim>     &boundary_conditions,
-    const Matrices                     matrices)
+    const Stencils<dim>           &stencils,
+    const Couplings<dim>          &couplings,
+    const BackgroundGrid<dim>     &grid,
+    const BoundaryConditions<dim> &boundary_conditions,
+    const Matrices                 matrices)
     : grid(grid)
     , grid_nodes(grid.nodes())
     , active_cells(stencils.active_cells)
     , group_node_ids(stencils.node_ids)
-    , face_node_ids(ids_of(faces))
-    , followers(aggregates.followers)
+    , couplings(couplings)
   {
-    const bool has_followers = aggregates.n_followers > 0;
-    number_nodes(stencils, has_followers);
-    make_constraints(boundary_conditions, has_followers);
+    number_nodes(stencils);
+    make_constraints(boundary_conditions);
     if (matrices == Matrices::wanted)
       make_graph(stencils);
   }
 
   template <int dim>
   bool
-  ActiveGrid<dim>::fits(const Stencils<dim>               &stencils,
-                        const std::vector<GhostFace<dim>> &faces,
-                        const Aggregates<dim>             &aggregates) const
+  ActiveGrid<dim>::fits(const Stencils<dim>  &stencils,
+                        const Couplings<dim> &now) const
   {
     // in another window the old cells are not to be touched
-    return dealii::Utilities::MPI::min(grid.nodes() == grid_nodes &&
-                                           stencils.node_ids ==
-                                             group_node_ids &&
-                                           stencils.active_cells ==
-                                             active_cells &&
-                                           ids_of(faces) == face_node_ids &&
-                                           aggregates.followers == followers
-                                         ? 1
-                                         : 0,
-                                       communicator()) == 1;
+    return dealii::Utilities::MPI::min(
+             grid.nodes() == grid_nodes &&
+                 stencils.node_ids == group_node_ids &&
+                 stencils.active_cells == active_cells &&
+                 now.node_ids == couplings.node_ids &&
+                 now.tied_nodes == couplings.tied_nodes
+               ? 1
+               : 0,
+             communicator()) == 1;
   }
 
   template <int dim>
@@ -124,8 +109,7 @@ namespace emmy
 
   template <int dim>
   void
-  ActiveGrid<dim>::number_nodes(const Stencils<dim> &stencils,
-                                const bool           has_followers)
+  ActiveGrid<dim>::number_nodes(const Stencils<dim> &stencils)
   {
     // a node is active if any rank has a particle that reaches it
     Exchange active(grid.nodes());
@@ -146,14 +130,15 @@ namespace emmy
       sum_below_and_total(owned_ids.size(), communicator());
 
     // numbers of the nodes that others own (exact in double up to 2^53)
-    Exchange number(has_followers ? nodes_and_roots(grid, followers)
-                                  : grid.nodes());
+    Exchange number(couplings.has_tied_nodes
+                      ? nodes_and_masters(grid, couplings.tied_nodes)
+                      : grid.nodes());
     for (unsigned int i = 0; i < owned_ids.size(); ++i)
       number(owned_ids[i]) = first + i;
     number.update_ghost_values();
 
     std::vector<std::pair<global_dof_index, global_dof_index>> ghosts;
-    std::map<global_dof_index, dealii::Point<dim>>             root_positions;
+    std::map<global_dof_index, dealii::Point<dim>>             master_positions;
     const auto is_known = [&](const global_dof_index id) {
       return grid.nodes()->in_local_range(id) ||
              grid.nodes()->is_ghost_entry(id);
@@ -164,20 +149,20 @@ namespace emmy
     };
     for (const global_dof_index id : stencils.node_ids)
       add_ghost(id);
-    for (const global_dof_index id : face_node_ids)
+    for (const global_dof_index id : couplings.node_ids)
       add_ghost(id);
     // particles of another rank may reach into cells of this one
     for (const auto &cell : active_cells)
       for (const global_dof_index id : grid.node_ids(cell))
         add_ghost(id);
-    for (const Follower<dim> &follower : followers)
+    for (const TiedNode<dim> &tied : couplings.tied_nodes)
       {
-        add_ghost(follower.node_id);
-        for (const auto &master : follower.masters)
+        add_ghost(tied.id);
+        for (const auto &master : tied.masters)
           {
             add_ghost(master.id);
             if (!is_known(master.id))
-              root_positions[master.id] = grid.corner(master.place);
+              master_positions[master.id] = master.position;
           }
       }
     std::sort(ghosts.begin(), ghosts.end());
@@ -194,7 +179,7 @@ namespace emmy
     for (unsigned int i = 0; i < ids.size(); ++i)
       {
         node_positions.push_back(is_known(ids[i]) ? grid.node_position(ids[i])
-                                                  : root_positions[ids[i]]);
+                                                  : master_positions[ids[i]]);
         local_index_of.emplace_back(ids[i], i);
       }
     std::sort(local_index_of.begin(), local_index_of.end());
@@ -202,8 +187,8 @@ namespace emmy
     group_nodes.reserve(stencils.node_ids.size());
     for (const global_dof_index id : stencils.node_ids)
       group_nodes.push_back(local_index(id));
-    for (const global_dof_index id : face_node_ids)
-      nodes_of_faces.push_back(local_index(id));
+    for (const global_dof_index id : couplings.node_ids)
+      local_coupled_nodes.push_back(local_index(id));
     for (const auto &cell : active_cells)
       {
         const auto cell_ids = grid.node_ids(cell);
@@ -237,8 +222,7 @@ namespace emmy
   template <int dim>
   void
   ActiveGrid<dim>::make_constraints(
-    const BoundaryConditions<dim> &boundary_conditions,
-    const bool                     has_followers)
+    const BoundaryConditions<dim> &boundary_conditions)
   {
     conditions = Constraints(dof_partition);
     for (unsigned int node = 0; node < n_local_nodes(); ++node)
@@ -249,9 +233,9 @@ namespace emmy
           if (fixed[c])
             conditions.fix(first_dof(node) + c);
       }
-    for (const Follower<dim> &follower : followers)
+    for (const TiedNode<dim> &tied : couplings.tied_nodes)
       {
-        const unsigned int node = local_index(follower.node_id);
+        const unsigned int node = local_index(tied.id);
         const auto         fixed =
           boundary_conditions.fixed_components(node_positions[node]);
         for (unsigned int c = 0; c < dim; ++c)
@@ -259,13 +243,13 @@ namespace emmy
             if (fixed[c])
               continue;
             Constraints::Entries entries;
-            for (const auto &master : follower.masters)
+            for (const auto &master : tied.masters)
               entries.emplace_back(first_dof(local_index(master.id)) + c,
                                    master.weight);
             conditions.follow(first_dof(node) + c, entries);
           }
       }
-    conditions.close(has_followers);
+    conditions.close(couplings.has_tied_nodes);
   }
 
   template <int dim>
@@ -275,9 +259,12 @@ namespace emmy
     std::vector<typename NodeGraph<dim>::Clique> cliques;
     for (const auto &group : stencils.groups)
       cliques.push_back({nodes(group), group.n_nodes});
-    constexpr unsigned int n = GhostFace<dim>::n_nodes;
-    for (unsigned int face = 0; face < nodes_of_faces.size() / n; ++face)
-      cliques.push_back({face_nodes(face), n});
+    std::size_t first = 0;
+    for (const unsigned int n : couplings.group_sizes)
+      {
+        cliques.push_back({coupled_nodes(first), n});
+        first += n;
+      }
     std::vector<global_dof_index> first_dofs;
     for (unsigned int node = 0; node < n_local_nodes(); ++node)
       first_dofs.push_back(first_dof(node));

@@ -33,33 +33,15 @@ namespace emmy
       for (double &d : damping)
         d = mass_damping * d + 1e-30 * total;
     }
-
-    template <int dim>
-    void
-    hand_out_ghost_mass(const GridStart<dim>                   &start,
-                        const std::function<void(MassBlock &)> &receive)
-    {
-      constexpr unsigned int     n = GhostFace<dim>::n_nodes;
-      dealii::FullMatrix<double> mass(n, n);
-      const std::vector<double>  no_damping(n);
-      for (unsigned int f = 0; f < start.ghost_faces.size(); ++f)
-        {
-          const GhostFace<dim> &face = start.ghost_faces[f];
-          mass                       = 0.;
-          mass.add(face.mass, start.ghost_matrices[face.direction]);
-          MassBlock block{start.active->face_nodes(f), mass, no_damping, true};
-          receive(block);
-        }
-    }
   } // namespace
 
   template <int dim>
   void
-  for_each_mass_block(const Stencils<dim>                    &stencils,
-                      const double                           *masses,
-                      const GridStart<dim>                   &start,
-                      Phases                                 *phases,
-                      const std::function<void(MassBlock &)> &receive)
+  for_each_mass_block(const Stencils<dim>  &stencils,
+                      const double         *masses,
+                      const GridStart<dim> &start,
+                      Phases               *phases,
+                      const MassReceiver   &receive)
   {
     dealii::FullMatrix<double> mass;
     std::vector<double>        damping;
@@ -83,7 +65,8 @@ namespace emmy
         MassBlock block{start.active->nodes(group), mass, damping};
         receive(block);
       }
-    hand_out_ghost_mass(start, receive);
+    if (start.hand_out_mass)
+      start.hand_out_mass(*start.active, receive);
   }
 
   template void
@@ -91,11 +74,11 @@ namespace emmy
                          const double *,
                          const GridStart<2> &,
                          Phases *,
-                         const std::function<void(MassBlock &)> &);
+                         const MassReceiver &);
   template void
   for_each_mass_block<3>(const Stencils<3> &,
                          const double *,
                          const GridStart<3> &,
                          Phases *,
-                         const std::function<void(MassBlock &)> &);
+                         const MassReceiver &);
 } // namespace emmy

@@ -61,60 +61,28 @@ namespace emmy
     const BoundaryConditions<dim> &boundary_conditions,
     const FieldLayout             &layout,
     const PointMapping            &mapping,
-    const GhostFaces<dim>         *find_ghost_faces,
-    const Aggregation<dim>        *aggregate,
     Phases                        *phases)
     : grid(grid)
     , boundary_conditions(boundary_conditions)
     , mapping(mapping)
-    , find_ghost_faces(find_ghost_faces)
-    , aggregate(aggregate)
     , phases(phases)
     , mass_component(layout["mass"])
     , velocity_component(layout["velocity"])
   {
     start.lumping = mapping.lumping;
-    if (find_ghost_faces)
-      for (unsigned int d = 0; d < dim; ++d)
-        start.ghost_matrices[d] = ghost_matrix<dim>(d, grid.cell_size());
-  }
-
-  template <int dim>
-  void
-  ParticlesToGrid<dim>::classify(const Stencils<dim>    &stencils,
-                                 const PointArrays<dim> &points)
-  {
-    if (!aggregate)
-      return;
-    const auto timed = effect_scope(phases, aggregation_effect);
-    start.classes    = aggregate->classify(stencils, points, grid);
   }
 
   template <int dim>
   GridStart<dim> &
   ParticlesToGrid<dim>::renew_but_for_mass(const Stencils<dim>    &stencils,
-                                           const PointArrays<dim> &points)
+                                           const PointArrays<dim> &points,
+                                           const Couplings<dim>   &couplings)
   {
-    if (find_ghost_faces)
+    start.hand_out_mass = couplings.hand_out_mass;
+    if (!start.active || !start.active->fits(stencils, couplings))
       {
-        const auto timed = effect_scope(phases, ghost_effect);
-        start.ghost_faces =
-          (*find_ghost_faces)(stencils, grid, boundary_conditions);
-      }
-    if (aggregate)
-      {
-        const auto timed = effect_scope(phases, aggregation_effect);
-        start.aggregates = aggregate->find(start.classes, stencils, grid);
-      }
-    if (!start.active ||
-        !start.active->fits(stencils, start.ghost_faces, start.aggregates))
-      {
-        start.active =
-          std::make_shared<const ActiveGrid<dim>>(stencils,
-                                                  start.ghost_faces,
-                                                  start.aggregates,
-                                                  grid,
-                                                  boundary_conditions);
+        start.active = std::make_shared<const ActiveGrid<dim>>(
+          stencils, couplings, grid, boundary_conditions);
         start.mass.reinit(start.active->sparsity());
         start.damped_mass.reinit(start.active->sparsity());
         if (mapping.walls != PointMapping::Walls::constrained)
@@ -129,9 +97,10 @@ namespace emmy
   template <int dim>
   GridStart<dim> &
   ParticlesToGrid<dim>::operator()(const Stencils<dim>    &stencils,
-                                   const PointArrays<dim> &points)
+                                   const PointArrays<dim> &points,
+                                   const Couplings<dim>   &couplings)
   {
-    renew_but_for_mass(stencils, points);
+    renew_but_for_mass(stencils, points, couplings);
     assemble_mass(stencils, points);
     return start;
   }
@@ -157,20 +126,16 @@ namespace emmy
       start.damped_mass_without_walls = 0.;
 
     const auto add_block = [&](MassBlock &block) {
-      {
-        const auto timed =
-          effect_scope(block.is_of_ghosts ? phases : nullptr, ghost_effect);
-        graph.add_components(block.nodes,
-                             block.mass,
-                             Conditions::left_out,
-                             start.mass);
-        for (unsigned int a = 0; a < block.mass.m(); ++a)
-          block.mass(a, a) += block.damping[a];
-        graph.add_components(block.nodes,
-                             block.mass,
-                             Conditions::worked_in,
-                             start.damped_mass);
-      }
+      graph.add_components(block.nodes,
+                           block.mass,
+                           Conditions::left_out,
+                           start.mass);
+      for (unsigned int a = 0; a < block.mass.m(); ++a)
+        block.mass(a, a) += block.damping[a];
+      graph.add_components(block.nodes,
+                           block.mass,
+                           Conditions::worked_in,
+                           start.damped_mass);
       if (!without_walls)
         return;
       const auto timed = walls_scope();
@@ -188,27 +153,6 @@ namespace emmy
         const auto timed = walls_scope();
         start.damped_mass_without_walls.compress(dealii::VectorOperation::add);
       }
-  }
-
-  template <int dim>
-  double
-  GridStart<dim>::ghost_product(const Vector &v,
-                                double GhostFace<dim>::*coefficient) const
-  {
-    constexpr unsigned int n     = GhostFace<dim>::n_nodes;
-    const auto             local = active->to_local(v);
-    double                 sum   = 0.;
-    for (unsigned int f = 0; f < ghost_faces.size(); ++f)
-      {
-        const unsigned int *nodes = active->face_nodes(f);
-        const auto         &J     = ghost_matrices[ghost_faces[f].direction];
-        for (unsigned int a = 0; a < n; ++a)
-          for (unsigned int b = 0; b < n; ++b)
-            for (unsigned int c = 0; c < dim; ++c)
-              sum += ghost_faces[f].*coefficient * J(a, b) *
-                     local[dim * nodes[a] + c] * local[dim * nodes[b] + c];
-      }
-    return sum;
   }
 
   template <int dim>
@@ -266,8 +210,6 @@ namespace emmy
   reordered<2>(const PointArrays<2> &, const Stencils<2> &);
   template PointArrays<3>
   reordered<3>(const PointArrays<3> &, const Stencils<3> &);
-  template struct GridStart<2>;
-  template struct GridStart<3>;
   template class ParticlesToGrid<2>;
   template class ParticlesToGrid<3>;
 } // namespace emmy

@@ -2,7 +2,7 @@
 // needs. The linker takes these lists instead of those of emmy; nothing else
 // names the other effects, materials and shape functions, so their code is not
 // in the program.
-#include <emmy/effects/force_term.h>
+#include <emmy/effects/effect.h>
 #include <emmy/material/hencky.h>
 #include <emmy/particles/stencils.h>
 #include <emmy/study/program.h>

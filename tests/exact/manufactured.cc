@@ -229,9 +229,10 @@ namespace
         const auto   b    = exact_body_force(motion, material, {X}, time)[0];
         const auto   automatic = automatic_body_force(x, constants(), X, time);
         error = std::max(error, (b - automatic).norm() / automatic.norm());
-        const auto state = motion.at(X, time);
+        const auto                   state = motion.at(X, time);
         const dealii::Tensor<2, dim> I = dealii::unit_symmetric_tensor<dim>();
-        strain = std::max(strain, (transpose(I + state.H) * (I + state.H)).norm());
+        strain =
+          std::max(strain, (transpose(I + state.H) * (I + state.H)).norm());
 
         // what is not in the force, but in the ledger
         Vector3<Second> moving;

@@ -142,7 +142,7 @@ check 'it does not know von Mises' says err 'Known are: Hencky.'
 emmy_run plane.prm --set 'Effects/Names=gravity'
 check 'nor gravity' says err '<gravity>'
 if command -v nm >/dev/null; then
-  names='Gravity|PointLoad|GhostParameters|GhostStiffness|ManufacturedSolution|ExactMotion|VonMises|GimpShapeFunctions'
+  names='Gravity|PointLoad|GhostParameters|GhostStabilisation|ManufacturedSolution|ExactMotion|VonMises|GimpShapeFunctions'
   nm -C "$elastic" >elastic.symbols
   nm -C "$all" >all.symbols
   check 'nor has it their code' has_lines 0 elastic.symbols "$names"

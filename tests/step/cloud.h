@@ -5,6 +5,7 @@
 #include <emmy/effects/gravity.h>
 #include <emmy/effects/inertia.h>
 #include <emmy/effects/internal_force.h>
+#include <emmy/effects/starved_nodes.h>
 #include <emmy/material/hencky.h>
 #include <emmy/material/von_mises.h>
 #include <emmy/particles/gimp.h>
@@ -101,20 +102,20 @@ namespace emmy
           {
             for (unsigned int d = 0; d < dim; ++d)
               acceleration[d] = -3. + d;
-            effects.loads.push_back(
+            effects.terms.push_back(
               std::make_unique<Gravity<dim>>(acceleration, layout["mass"]));
           }
         if (options.ghost_mass > 0. || options.ghost_stiffness > 0.)
-          {
-            effects.terms.push_back(std::make_unique<GhostStiffness<dim>>());
-            effects.ghost_faces = std::make_unique<const GhostFaces<dim>>(
-              options.ghost_mass,
-              options.ghost_stiffness,
-              std::vector<const Material<dim> *>{material.get()});
-          }
+          effects.terms.push_back(std::make_unique<GhostStabilisation<dim>>(
+            GhostFaces<dim>(options.ghost_mass,
+                            options.ghost_stiffness,
+                            std::vector<const Material<dim> *>{
+                              material.get()})));
         if (options.aggregation > 0.)
-          effects.aggregation = std::make_unique<const Aggregation<dim>>(
-            options.aggregation, layout["mass"], layout["reference_volume"]);
+          effects.terms.push_back(std::make_unique<StarvedNodes<dim>>(
+            Aggregation<dim>(options.aggregation,
+                             layout["mass"],
+                             layout["reference_volume"])));
         balance = std::make_unique<Balance<dim>>(std::move(effects));
         if (options.gimp)
           shape_functions = std::make_unique<GimpShapeFunctions<dim>>(layout);

@@ -72,6 +72,10 @@ namespace emmy
       /** X v with X = M~ - M. */
       Vector
       X_times(const Vector &v) const;
+      Couplings<dim>
+      couplings() const;
+      double
+      ghost_mass_loss() const;
       /** p - M~ v */
       Vector
       misfit(const Vector &v) const;

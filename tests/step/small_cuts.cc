@@ -5,6 +5,7 @@
 
 #include <deal.II/lac/lapack_full_matrix.h>
 
+#include <emmy/effects/ghost_stabilisation.h>
 #include <emmy/material/hencky.h>
 #include <emmy/step/small_cuts.h>
 
@@ -229,14 +230,22 @@ namespace
       constants.density       = 20.; // of 2 x 2 particles in a cell
       constants.young_modulus = 3.;
       constants.poisson_ratio = 0.;
-      const Hencky<2>     material(constants.completed("test"));
-      const GhostFaces<2> ghost_faces(ghost_mass, 0., {&material});
-      const PointMapping  mapping;
-      ParticlesToGrid<2>  particles_to_grid(
-        grid, walls, layout, mapping, ghost_mass > 0. ? &ghost_faces : nullptr);
-      const auto  stencils = shape_functions.evaluate(particles, grid);
-      const auto  points   = gather(stencils, layout);
-      const auto &start    = particles_to_grid(stencils, points);
+      const Hencky<2>       material(constants.completed("test"));
+      GhostStabilisation<2> ghosts(GhostFaces<2>(ghost_mass, 0., {&material}));
+      const PointMapping    mapping;
+      ParticlesToGrid<2>    particles_to_grid(grid, walls, layout, mapping);
+      const auto   stencils = shape_functions.evaluate(particles, grid);
+      const auto   points   = gather(stencils, layout);
+      Couplings<2> couplings;
+      if (ghost_mass > 0.)
+        {
+          ghosts.couple(stencils, grid, walls, couplings);
+          couplings.hand_out_mass = [&](const ActiveGrid<2> &active,
+                                        const MassReceiver  &receive) {
+            ghosts.add_mass(active, receive);
+          };
+        }
+      const auto &start = particles_to_grid(stencils, points, couplings);
       mass = diagnose(start.mass, stencils, points, layout, *start.active);
     }
   };

@@ -1,7 +1,7 @@
 #ifndef mass_damping_h
 #define mass_damping_h
 
-#include <emmy/effects/force_term.h>
+#include <emmy/effects/effect.h>
 
 /** Section `Effects/Mass damping`. */
 template <int dim>

@@ -2,9 +2,9 @@
 // what is lost is in the ledger, and Newton has the exact derivative.
 // Usage: test_mass_damping damped-block.prm
 #include <emmy/output/ledger.h>
+#include <emmy/run/scene.h>
 #include <emmy/solve/newton.h>
 #include <emmy/step/velocity_map.h>
-#include <emmy/run/scene.h>
 
 #include <cmath>
 #include <iostream>

@@ -2,7 +2,7 @@
 #define emmy_effects_field_load_h
 
 #include <emmy/effects/amplitude.h>
-#include <emmy/effects/force_term.h>
+#include <emmy/effects/effect.h>
 
 namespace emmy
 {
@@ -16,7 +16,7 @@ namespace emmy
    * a step.
    */
   template <int dim>
-  class FieldLoad : public StepLoad<dim>
+  class FieldLoad : public Effect<dim>
   {
   public:
     /**
@@ -27,12 +27,17 @@ namespace emmy
               const unsigned int            component,
               Amplitude                     amplitude = Amplitude());
 
+    bool
+    is_load() const override
+    {
+      return true;
+    }
     void
-    add(const StepData<dim> &step,
-        std::vector<double> &local_force) const override;
+    add_load(const StepData<dim> &step,
+             std::vector<double> &local_force) const override;
     void
-    add_at_points(const StepData<dim> &step,
-                  std::vector<double> &point_force) const override;
+    add_load_at_points(const StepData<dim> &step,
+                       std::vector<double> &point_force) const override;
 
   private:
     const dealii::Tensor<1, dim> vector;

@@ -1,7 +1,8 @@
 #ifndef emmy_effects_ghost_stabilisation_h
 #define emmy_effects_ghost_stabilisation_h
 
-#include <emmy/effects/force_term.h>
+#include <emmy/effects/effect.h>
+#include <emmy/effects/ghost_faces.h>
 
 namespace emmy
 {
@@ -23,22 +24,42 @@ namespace emmy
   };
 
   /**
-   * The stiffness of ghost stabilisation, f = K_G u/2 on the displacement of
-   * the step at its mid-point (formulation of Coombs 2023; Sticko et al. 2020):
-   * it resists differences of slopes across the faces that GridStart lists,
-   * and keeps no memory, so that u.K_G u/2 is lost in each step. The mass of
-   * ghost stabilisation is part of M~.
+   * Ghost stabilisation (Burman 2010; Sticko et al. 2020; formulation of Coombs
+   * 2023): penalties on differences of slopes across the faces at the boundary
+   * of a body. Its mass G is part of M~. Its stiffness, f = K_G u/2 on the
+   * displacement of the step at its mid-point, keeps no memory, so that
+   * u.K_G u/2 is lost in each step.
    */
   template <int dim>
-  class GhostStiffness : public ForceTerm<dim>
+  class GhostStabilisation : public Effect<dim>
   {
   public:
+    explicit GhostStabilisation(GhostFaces<dim> find);
+
+    bool
+    couples() const override;
+    /** Finds the faces, whose nodes meet. */
+    void
+    couple(const Stencils<dim>           &stencils,
+           const BackgroundGrid<dim>     &grid,
+           const BoundaryConditions<dim> &boundary_conditions,
+           Couplings<dim>                &couplings) override;
+    std::string
+    mass_loss() const override;
+    void
+    add_mass(const ActiveGrid<dim> &active,
+             const MassReceiver    &receive) const override;
+    double
+    kinetic_energy(const ActiveGrid<dim> &active,
+                   const Vector          &velocity) const override;
+
+    bool
+    is_force() const override;
     std::string
     add(const StepData<dim> &step,
         const Iterate<dim>  &iterate,
         Vector              &force,
         Matrix              *jacobian) const override;
-
     /** ghost_stiffness_loss. */
     std::vector<EnergyEntry>
     energies(const StepData<dim>    &step,
@@ -46,6 +67,25 @@ namespace emmy
              const PointArrays<dim> &accepted) const override;
     std::vector<EnergyEntry>
     energy_entries() const override;
+
+  private:
+    /**
+     * sum over this rank's faces of coefficient v.J v, the coefficient being
+     * GhostFace::mass or GhostFace::stiffness. Collective.
+     */
+    double
+    product(const ActiveGrid<dim> &active,
+            const Vector          &v,
+            double GhostFace<dim>::*coefficient) const;
+    /** Local indices of the nodes of a face. */
+    const unsigned int *
+    nodes(const ActiveGrid<dim> &active, const unsigned int face) const;
+
+    const GhostFaces<dim>       find;
+    std::vector<GhostFace<dim>> faces;          ///< of the step
+    std::size_t                 first_node = 0; ///< theirs in Couplings
+    /** J of a face by its direction, m^dim. */
+    std::array<dealii::FullMatrix<double>, dim> matrices;
   };
 } // namespace emmy
 

@@ -1,7 +1,7 @@
 #ifndef emmy_effects_inertia_h
 #define emmy_effects_inertia_h
 
-#include <emmy/effects/force_term.h>
+#include <emmy/effects/effect.h>
 
 namespace emmy
 {

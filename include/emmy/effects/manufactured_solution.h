@@ -1,8 +1,8 @@
 #ifndef emmy_effects_manufactured_solution_h
 #define emmy_effects_manufactured_solution_h
 
+#include <emmy/effects/effect.h>
 #include <emmy/effects/exact_motion.h>
-#include <emmy/effects/force_term.h>
 #include <emmy/material/material.h>
 
 namespace emmy

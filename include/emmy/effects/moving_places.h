@@ -3,7 +3,7 @@
 
 #include <deal.II/lac/full_matrix.h>
 
-#include <emmy/effects/force_term.h>
+#include <emmy/effects/effect.h>
 #include <emmy/material/stress_rules.h>
 #include <emmy/transfer/domain_update.h>
 

@@ -1,7 +1,7 @@
 #ifndef emmy_effects_stress_states_h
 #define emmy_effects_stress_states_h
 
-#include <emmy/effects/force_term.h>
+#include <emmy/effects/effect.h>
 #include <emmy/material/stress_rules.h>
 
 namespace emmy

@@ -1,10 +1,10 @@
 #ifndef emmy_output_measurement_h
 #define emmy_output_measurement_h
 
-#include <emmy/effects/step_report.h>
 #include <emmy/base/effect_card.h>
 #include <emmy/base/library.h>
 #include <emmy/base/section.h>
+#include <emmy/effects/step_report.h>
 #include <emmy/particles/body.h>
 
 #include <memory>

@@ -2,8 +2,8 @@
 #define emmy_run_scene_h
 
 #include <emmy/effects/explicit_force.h>
-#include <emmy/step/time_integrator.h>
 #include <emmy/run/scene_parameters.h>
+#include <emmy/step/time_integrator.h>
 
 #include <iosfwd>
 

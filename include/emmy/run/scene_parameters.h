@@ -1,8 +1,9 @@
 #ifndef emmy_run_scene_parameters_h
 #define emmy_run_scene_parameters_h
 
-#include <emmy/effects/force_term.h>
 #include <emmy/base/parameter_file.h>
+#include <emmy/effects/effect.h>
+#include <emmy/effects/starved_nodes.h>
 #include <emmy/grid/boundary_conditions.h>
 #include <emmy/material/material.h>
 #include <emmy/output/measurement.h>
@@ -67,8 +68,8 @@ namespace emmy
      * it. Throws ExcParameter.
      */
     template <int dim>
-    std::unique_ptr<const Aggregation<dim>>
-    make_aggregation(const FieldLayout &layout) const;
+    std::unique_ptr<StarvedNodes<dim>>
+    make_starved_nodes(const FieldLayout &layout) const;
 
     /** Check what belongs to the mapping. Throws ExcParameter. */
     PointMapping

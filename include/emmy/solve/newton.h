@@ -1,9 +1,9 @@
 #ifndef emmy_solve_newton_h
 #define emmy_solve_newton_h
 
-#include <emmy/solve/nonlinear_equation.h>
 #include <emmy/base/phases.h>
 #include <emmy/solve/linear_solver.h>
+#include <emmy/solve/nonlinear_equation.h>
 
 #include <string>
 #include <vector>

@@ -11,7 +11,7 @@ namespace emmy
    * balance,
    *   gain of the particles' kinetic energy + stored + dissipated
    *     = work of loads + reaction_work + residual_work
-   *       - lumping_loss - mapping_loss - ghost_mass_loss - wall_loss
+   *       - lumping_loss - mapping_loss - mass_losses - wall_loss
    * holds exactly, converged or not.
    */
   struct StepAccounts
@@ -35,8 +35,8 @@ namespace emmy
      * (1 - alpha) sum m_p (w.d + (1 + alpha) d.d / 2).
      */
     double mapping_loss = 0.;
-    /** Of the ghost mass G, Delta v . G Delta v / 2: never negative. */
-    double ghost_mass_loss = 0.;
+    /** Of effects' own masses G, Delta v . G Delta v / 2: never negative. */
+    std::vector<EnergyEntry> mass_losses = {};
     /**
      * Of Walls::inelastic: w.M~ w / 2, with w what the walls take from the
      * grid's velocity.
@@ -63,8 +63,7 @@ namespace emmy
   std::vector<EnergyEntry>
   account_entries(const StepAccounts &accounts,
                   const PointMapping &mapping,
-                  const bool          has_moving_walls,
-                  const bool          has_ghost_faces);
+                  const bool          has_moving_walls);
 
   /**
    * Add lumping_loss, mapping_loss and hidden_kinetic_energy of a step, summed
@@ -89,6 +88,7 @@ namespace emmy
   template <int dim>
   StepAccounts
   accounts(const StepData<dim>     &step,
+           const Balance<dim>      &balance,
            const StepEquation<dim> &equation,
            const FieldLayout       &layout,
            const PointMapping      &mapping,

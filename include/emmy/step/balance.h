@@ -1,7 +1,7 @@
 #ifndef emmy_step_balance_h
 #define emmy_step_balance_h
 
-#include <emmy/effects/force_term.h>
+#include <emmy/effects/effect.h>
 #include <emmy/solve/nonlinear_equation.h>
 
 namespace emmy
@@ -33,20 +33,51 @@ namespace emmy
     mark(const BackgroundGrid<dim>               &grid,
          dealii::Particles::ParticleHandler<dim> &particles) const;
 
-    /** What the probes find. Collective. */
+    /** What effects measure. Collective. */
     std::vector<StepMeasure>
-    measures(const PointArrays<dim> &points,
-             const double            time,
-             const MPI_Comm          communicator,
-             Phases                 *phases) const;
+    measures(const PointArrays<dim>    &points,
+             const double               time,
+             const BackgroundGrid<dim> &grid,
+             Phases                    *phases) const;
 
-    /** What finds the faces of ghost stabilisation; null without it. */
-    const GhostFaces<dim> *
-    ghost_faces() const;
+    /** Whether there is an effect of this name. */
+    bool
+    has(const std::string &effect) const;
 
-    /** What finds starved nodes and their roots; null without it. */
-    const Aggregation<dim> *
-    aggregation() const;
+    /** Whether there is a load in any step. */
+    bool
+    has_loads() const;
+
+    /** Once in a step: see Effect::classify(). Collective. */
+    void
+    classify(const Stencils<dim>       &stencils,
+             const PointArrays<dim>    &points,
+             const BackgroundGrid<dim> &grid,
+             Phases                    *phases) const;
+
+    /** What effects add to the grid of these stencils. Collective. */
+    Couplings<dim>
+    couplings(const Stencils<dim>           &stencils,
+              const BackgroundGrid<dim>     &grid,
+              const BoundaryConditions<dim> &boundary_conditions,
+              Phases                        *phases) const;
+
+    /**
+     * Delta v . G Delta v / 2 for each effect that has a mass G of its own, J.
+     * Collective.
+     * @param change Delta v, m/s
+     */
+    std::vector<EnergyEntry>
+    mass_losses(const ActiveGrid<dim> &active,
+                const Vector          &change,
+                Phases                *phases) const;
+    /** The same entries with no change. */
+    std::vector<EnergyEntry>
+    mass_loss_entries() const;
+
+    /** Lines for the log, of an accepted step. Collective. */
+    std::vector<std::string>
+    findings() const;
 
     /**
      * This rank's share of the loads of a step at the local nodes, [dim * node
@@ -67,6 +98,11 @@ namespace emmy
 
   private:
     friend class StepEquation<dim>;
+    /** Call a hook of each term, its time booked to its effect. */
+    template <class Hook>
+    void
+    for_each(Phases *phases, bool (Effect<dim>::*has)() const, Hook hook) const;
+
     const Effects<dim> effects;
   };
 

@@ -1,8 +1,8 @@
 #ifndef emmy_step_middle_equation_h
 #define emmy_step_middle_equation_h
 
-#include <emmy/step/balance.h>
 #include <emmy/effects/moving_places.h>
+#include <emmy/step/balance.h>
 
 namespace emmy
 {

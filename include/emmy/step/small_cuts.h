@@ -1,9 +1,9 @@
 #ifndef emmy_step_small_cuts_h
 #define emmy_step_small_cuts_h
 
-#include <emmy/step/balance.h>
 #include <emmy/base/section.h>
 #include <emmy/solve/condition.h>
+#include <emmy/step/balance.h>
 
 #include <string>
 #include <vector>

@@ -107,9 +107,6 @@ namespace emmy
     /** Estimate the conditions of both matrices of a solved step. */
     void
     examine(Solution &solution);
-    /** A line for the log if starved nodes are worse off than ever before. */
-    void
-    tell_of_followers(Solution &solution);
     /**
      * What examine() found, zero before the first step; of followers; and what
      * probes find at points whose states are those at @p time. Collective.
@@ -190,13 +187,9 @@ namespace emmy
     std::unique_ptr<LinearSolver> linear_solver;
     const GridStart<dim>         *start = nullptr;
     Vector                        velocity;
-    NodeClasses<dim>              classes_before; ///< of the last step
     /** Null unless asked for, and before the first step. */
     std::unique_ptr<StepDiagnosis<dim>> findings;
-    /** Of all steps. */
-    std::uint64_t most_free_starved  = 0;
-    double        largest_weight     = 0.;
-    bool          has_limited_travel = false, has_struggled = false,
+    bool has_limited_travel = false, has_struggled = false,
          has_held_places = false;
     /** How far walls have moved, m. */
     typename BoundaryConditions<dim>::Sides wall_travel{};

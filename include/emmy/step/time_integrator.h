@@ -1,8 +1,8 @@
 #ifndef emmy_step_time_integrator_h
 #define emmy_step_time_integrator_h
 
-#include <emmy/step/balance.h>
 #include <emmy/effects/step_report.h>
+#include <emmy/step/balance.h>
 #include <emmy/step/small_cuts.h>
 #include <emmy/step/step_rule.h>
 #include <emmy/step/travel_limit.h>

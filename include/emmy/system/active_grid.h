@@ -8,9 +8,8 @@
 #include <emmy/base/linear_algebra.h>
 #include <emmy/grid/boundary_conditions.h>
 #include <emmy/particles/stencils.h>
-#include <emmy/transfer/aggregation.h>
 #include <emmy/system/constraints.h>
-#include <emmy/transfer/ghost_faces.h>
+#include <emmy/system/couplings.h>
 #include <emmy/system/node_graph.h>
 
 #include <vector>
@@ -24,7 +23,7 @@ namespace emmy
    *
    * Arrays over nodes are local to the rank: first the active nodes that it
    * owns, in the order of their numbers, then those of its active cells, and
-   * of the roots of their nodes, that another rank owns.
+   * of the masters of their nodes, that another rank owns.
    *
    * Made by the transfer when the set of active cells changes, kept
    * otherwise. Cost: proportional to the rank's part of the grid's window.
@@ -42,25 +41,21 @@ namespace emmy
 
     /**
      * Collective.
-     * @param faces      whose nodes are to be coupled too
-     * @param aggregates nodes that follow others
+     * @param couplings nodes that meet, and nodes that follow others
      */
-    ActiveGrid(const Stencils<dim>               &stencils,
-               const std::vector<GhostFace<dim>> &faces,
-               const Aggregates<dim>             &aggregates,
-               const BackgroundGrid<dim>         &grid,
-               const BoundaryConditions<dim>     &boundary_conditions,
-               const Matrices                     matrices = Matrices::wanted);
+    ActiveGrid(const Stencils<dim>           &stencils,
+               const Couplings<dim>          &couplings,
+               const BackgroundGrid<dim>     &grid,
+               const BoundaryConditions<dim> &boundary_conditions,
+               const Matrices                 matrices = Matrices::wanted);
 
     /**
-     * Whether these stencils have the same groups of nodes, and faces and
-     * followers are the same, so that numbering, constraints and sparsity can
-     * stay. Collective.
+     * Whether these stencils have the same groups of nodes, and the couplings
+     * are the same, so that numbering, constraints and sparsity can stay.
+     * Collective.
      */
     bool
-    fits(const Stencils<dim>               &stencils,
-         const std::vector<GhostFace<dim>> &faces,
-         const Aggregates<dim>             &aggregates) const;
+    fits(const Stencils<dim> &stencils, const Couplings<dim> &couplings) const;
 
     /** Local indices of a group's nodes. */
     const unsigned int *
@@ -69,11 +64,11 @@ namespace emmy
       return group_nodes.data() + group.first_node;
     }
 
-    /** Local indices of a face's nodes, in the order of the faces. */
+    /** Local indices of Couplings::node_ids, from one of them on. */
     const unsigned int *
-    face_nodes(const unsigned int face) const
+    coupled_nodes(const std::size_t first) const
     {
-      return nodes_of_faces.data() + face * GhostFace<dim>::n_nodes;
+      return local_coupled_nodes.data() + first;
     }
 
     unsigned int
@@ -202,11 +197,10 @@ namespace emmy
     unsigned int
     local_index(const dealii::types::global_dof_index grid_id) const;
     void
-    number_nodes(const Stencils<dim> &stencils, const bool has_followers);
+    number_nodes(const Stencils<dim> &stencils);
     /** Essential conditions win: a fixed component does not follow. */
     void
-    make_constraints(const BoundaryConditions<dim> &boundary_conditions,
-                     const bool                     has_followers);
+    make_constraints(const BoundaryConditions<dim> &boundary_conditions);
     void
     make_graph(const Stencils<dim> &stencils);
 
@@ -225,10 +219,8 @@ namespace emmy
     /** The stencils' node_ids and the same as local indices. */
     std::vector<dealii::types::global_dof_index> group_node_ids;
     std::vector<unsigned int>                    group_nodes;
-    /** The same of the faces. */
-    std::vector<dealii::types::global_dof_index> face_node_ids;
-    std::vector<unsigned int>                    nodes_of_faces;
-    std::vector<Follower<dim>>                   followers;
+    Couplings<dim>                               couplings;
+    std::vector<unsigned int>                    local_coupled_nodes;
 
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> node_partition,
       dof_partition;

@@ -97,23 +97,9 @@ namespace emmy
      * with Walls::inelastic that of the map without walls.
      */
     Vector mapped_velocity;
-    /** Which nodes are fed, as of the start of the step; empty without
-     * followers.
-     */
-    NodeClasses<dim> classes;
-    /** Nodes that follow others; without the effect there is none. */
-    Aggregates<dim> aggregates;
-    /** Of ghost stabilisation, whose mass is part of M~; else empty. */
-    std::vector<GhostFace<dim>> ghost_faces;
-    /** J of a face by its direction, m^dim; only with ghost faces. */
-    std::array<dealii::FullMatrix<double>, dim> ghost_matrices;
-
-    /**
-     * sum over this rank's ghost faces of coefficient v.J v, the coefficient
-     * being GhostFace::mass or GhostFace::stiffness. Collective.
-     */
-    double
-    ghost_product(const Vector &v, double GhostFace<dim>::*coefficient) const;
+    /** See Couplings::hand_out_mass. */
+    std::function<void(const ActiveGrid<dim> &, const MassReceiver &)>
+      hand_out_mass = nullptr;
   };
 
   /**
@@ -129,29 +115,24 @@ namespace emmy
                     const BoundaryConditions<dim> &boundary_conditions,
                     const FieldLayout             &layout,
                     const PointMapping            &mapping,
-                    const GhostFaces<dim>         *find_ghost_faces = nullptr,
-                    const Aggregation<dim>        *aggregate        = nullptr,
-                    Phases                        *phases           = nullptr);
-
-    /**
-     * Which nodes are fed and which follow others: once in a step, before the
-     * grid is renewed. Without followers this does nothing. Collective.
-     */
-    void
-    classify(const Stencils<dim> &stencils, const PointArrays<dim> &points);
+                    Phases                        *phases = nullptr);
 
     /**
      * Renew active nodes, mass and momentum. The velocity is left to the
      * caller, who has a linear solver. Collective.
+     * @param couplings what effects add to the grid
      * @return valid until the next call
      */
     GridStart<dim> &
-    operator()(const Stencils<dim> &stencils, const PointArrays<dim> &points);
+    operator()(const Stencils<dim>    &stencils,
+               const PointArrays<dim> &points,
+               const Couplings<dim>   &couplings = Couplings<dim>());
 
     /** The same, with the matrices of the mass left as they were. */
     GridStart<dim> &
     renew_but_for_mass(const Stencils<dim>    &stencils,
-                       const PointArrays<dim> &points);
+                       const PointArrays<dim> &points,
+                       const Couplings<dim>   &couplings);
     /** The matrices of the mass, on the active nodes of the last renewal. */
     void
     assemble_mass(const Stencils<dim>    &stencils,
@@ -166,8 +147,6 @@ namespace emmy
     const BackgroundGrid<dim>     &grid;
     const BoundaryConditions<dim> &boundary_conditions;
     const PointMapping            &mapping;
-    const GhostFaces<dim> *const   find_ghost_faces; ///< null: there are none
-    const Aggregation<dim> *const  aggregate;        ///< the same
     Phases *const                  phases; ///< for effects; may be null
     const unsigned int             mass_component, velocity_component;
     GridStart<dim>                 start;

@@ -270,16 +270,19 @@ namespace
   check_cloud(const test::CloudOptions &options, const std::string &what)
   {
     // search on one rank, and on all
-    const auto search = [&](const test::Cloud<dim> &cloud) {
+    const FieldLayout      layout = basic_fields(dim);
+    const Aggregation<dim> aggregation(options.aggregation,
+                                       layout["mass"],
+                                       layout["reference_volume"]);
+    const auto             search = [&](const test::Cloud<dim> &cloud) {
       const auto stencils =
         cloud.shape_functions->evaluate(cloud.particles, *cloud.grid);
-      const auto points      = gather(stencils, cloud.layout);
-      const auto aggregation = cloud.balance->aggregation();
-      return aggregation->find(aggregation->classify(stencils,
-                                                     points,
-                                                     *cloud.grid),
-                               stencils,
-                               *cloud.grid);
+      const auto points = gather(stencils, cloud.layout);
+      return aggregation.find(aggregation.classify(stencils,
+                                                   points,
+                                                   *cloud.grid),
+                              stencils,
+                              *cloud.grid);
     };
     const test::Cloud<dim> alone(options, MPI_COMM_SELF), cloud(options);
     const auto             expected = search(alone), found = search(cloud);
@@ -294,11 +297,20 @@ namespace
     // constraints that reach across ranks
     const auto stencils =
       cloud.shape_functions->evaluate(cloud.particles, *cloud.grid);
-    const ActiveGrid<dim> active(
-      stencils, {}, found, *cloud.grid, *cloud.boundary_conditions);
-    const Constraints &constraints = active.constraints();
-    Vector             affine = active.make_vector(), force = affine;
-    auto               value = affine.begin(), f = force.begin();
+    StarvedNodes<dim> starved(aggregation);
+    starved.classify(stencils, gather(stencils, cloud.layout), *cloud.grid);
+    Couplings<dim> couplings;
+    starved.couple(stencils,
+                   *cloud.grid,
+                   *cloud.boundary_conditions,
+                   couplings);
+    const ActiveGrid<dim> active(stencils,
+                                 couplings,
+                                 *cloud.grid,
+                                 *cloud.boundary_conditions);
+    const Constraints    &constraints = active.constraints();
+    Vector                affine = active.make_vector(), force = affine;
+    auto                  value = affine.begin(), f = force.begin();
     for (unsigned int node = 0; node < active.n_owned_nodes(); ++node)
       for (unsigned int c = 0; c < dim; ++c, ++value, ++f)
         {

@@ -1,8 +1,8 @@
-#ifndef emmy_transfer_aggregation_h
-#define emmy_transfer_aggregation_h
+#ifndef emmy_effects_aggregation_h
+#define emmy_effects_aggregation_h
 
+#include <emmy/effects/roots.h>
 #include <emmy/particles/point_arrays.h>
-#include <emmy/transfer/roots.h>
 
 #include <string>
 #include <utility>
@@ -101,9 +101,6 @@ namespace emmy
     std::string
     text() const;
   };
-
-  /** Its name in the card of a scene and in the table of times. */
-  constexpr const char *aggregation_effect = "aggregation";
 
   /**
    * Finds the starved nodes of a step and their roots (the idea of aggregated

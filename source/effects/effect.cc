@@ -1,4 +1,4 @@
-#include <emmy/effects/force_term.h>
+#include <emmy/effects/effect.h>
 
 #include <cctype>
 

@@ -1,5 +1,5 @@
-#ifndef emmy_transfer_roots_h
-#define emmy_transfer_roots_h
+#ifndef emmy_effects_roots_h
+#define emmy_effects_roots_h
 
 #include <deal.II/lac/la_parallel_vector.h>
 
@@ -9,7 +9,7 @@
 #include <map>
 #include <vector>
 
-/** What Aggregation (transfer/aggregation.h) is made of: the search for roots.
+/** What Aggregation (effects/aggregation.h) is made of: the search for roots.
  */
 namespace emmy
 {

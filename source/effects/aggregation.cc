@@ -1,5 +1,5 @@
 #include <emmy/base/text.h>
-#include <emmy/transfer/aggregation.h>
+#include <emmy/effects/aggregation.h>
 
 #include <algorithm>
 #include <cmath>

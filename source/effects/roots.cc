@@ -1,5 +1,5 @@
+#include <emmy/effects/roots.h>
 #include <emmy/system/active_cells.h>
-#include <emmy/transfer/roots.h>
 
 #include <algorithm>
 #include <limits>

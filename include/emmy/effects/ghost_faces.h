@@ -1,5 +1,5 @@
-#ifndef emmy_transfer_ghost_faces_h
-#define emmy_transfer_ghost_faces_h
+#ifndef emmy_effects_ghost_faces_h
+#define emmy_effects_ghost_faces_h
 
 #include <deal.II/lac/full_matrix.h>
 

@@ -6,9 +6,9 @@
 
 #include <deal.II/lac/lapack_full_matrix.h>
 
+#include <emmy/effects/ghost_faces.h>
 #include <emmy/material/hencky.h>
 #include <emmy/particles/field_layout.h>
-#include <emmy/transfer/ghost_faces.h>
 
 #include <random>
 

@@ -1,5 +1,5 @@
+#include <emmy/effects/ghost_faces.h>
 #include <emmy/system/active_cells.h>
-#include <emmy/transfer/ghost_faces.h>
 
 #include <algorithm>
 #include <map>

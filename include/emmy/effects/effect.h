@@ -1,0 +1,325 @@
+#ifndef emmy_effects_effect_h
+#define emmy_effects_effect_h
+
+#include <emmy/base/library.h>
+#include <emmy/base/phases.h>
+#include <emmy/base/section.h>
+#include <emmy/effects/step_report.h>
+#include <emmy/material/material.h>
+#include <emmy/system/couplings.h>
+#include <emmy/transfer/particles_to_grid.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace emmy
+{
+  template <int dim>
+  class MovingPlaces;
+
+  /** All that is fixed while a step is solved. */
+  template <int dim>
+  struct StepData
+  {
+    const Stencils<dim>    &stencils;
+    const PointArrays<dim> &points;    ///< states at t
+    const GridStart<dim>   &start;     ///< mass, momentum, velocity at t
+    double                  time;      ///< t, s
+    double                  time_step; ///< s
+    /** Where the time of effects is booked; null: nowhere. */
+    Phases *phases = nullptr;
+    /**
+     * Takes what the force does as the particles' places follow, with the
+     * derivative; null where they stay.
+     */
+    MovingPlaces<dim> *moving = nullptr;
+  };
+
+  /** A displacement that Newton tries. */
+  template <int dim>
+  struct Iterate
+  {
+    const Vector &displacement; ///< of the step, u, m
+    /** The same at the local nodes: [dim * node + component]. */
+    const std::vector<double> &local_displacement;
+    /** Particle states at t + dt, written by the terms that own them. */
+    PointArrays<dim> &trial;
+  };
+
+  /**
+   * An effect, or a part of one: whatever acts in a scene beside the grid and
+   * the particles. Its hooks are called in the order of a step, and do nothing
+   * by default. What it finds in a step (faces, roots) it keeps itself, until
+   * it is asked to find it anew; nothing else outlives a step in it.
+   *
+   * Owned by the balance. All hooks but add_load() and add_load_at_points()
+   * are collective.
+   */
+  template <int dim>
+  class Effect
+  {
+  public:
+    virtual ~Effect() = default;
+
+    /**
+     * Once, after the bodies are filled: choose the particles that the effect
+     * acts on, and write an initial field that tells so. The choice must not
+     * depend on the partition; ids do. Throws on all ranks.
+     * @return a line for the log: what was chosen, the same on all ranks; or
+     *   empty
+     */
+    virtual std::string
+    mark(const BackgroundGrid<dim>               &grid,
+         dealii::Particles::ParticleHandler<dim> &particles) const
+    {
+      (void)grid;
+      (void)particles;
+      return "";
+    }
+
+    /** Whether the effect couples nodes, or adds mass to them. */
+    virtual bool
+    couples() const
+    {
+      return false;
+    }
+
+    /**
+     * Once in a step, before the grid is made: what is found now is held for
+     * as long as the step lasts.
+     */
+    virtual void
+    classify(const Stencils<dim>       &stencils,
+             const PointArrays<dim>    &points,
+             const BackgroundGrid<dim> &grid)
+    {
+      (void)stencils;
+      (void)points;
+      (void)grid;
+    }
+
+    /** Each time that stencils are made anew: find what couples, and add it. */
+    virtual void
+    couple(const Stencils<dim>           &stencils,
+           const BackgroundGrid<dim>     &grid,
+           const BoundaryConditions<dim> &boundary_conditions,
+           Couplings<dim>                &couplings)
+    {
+      (void)stencils;
+      (void)grid;
+      (void)boundary_conditions;
+      (void)couplings;
+    }
+
+    /**
+     * The column of the ledger that has what the effect's own mass G loses,
+     * Delta v . G Delta v / 2 in a step; empty if it has none.
+     */
+    virtual std::string
+    mass_loss() const
+    {
+      return "";
+    }
+
+    /** Hand out G, block by block, with no damping. */
+    virtual void
+    add_mass(const ActiveGrid<dim> &active, const MassReceiver &receive) const
+    {
+      (void)active;
+      (void)receive;
+    }
+
+    /** v . G v / 2, this rank's share, J. */
+    virtual double
+    kinetic_energy(const ActiveGrid<dim> &active, const Vector &velocity) const
+    {
+      (void)active;
+      (void)velocity;
+      return 0.;
+    }
+
+    /** Whether there is a force that is fixed within a step. */
+    virtual bool
+    is_load() const
+    {
+      return false;
+    }
+
+    /** Add the load to an array over local nodes: [dim * node + c], N. */
+    virtual void
+    add_load(const StepData<dim> &step, std::vector<double> &local_force) const
+    {
+      (void)step;
+      (void)local_force;
+    }
+
+    /**
+     * Add the load to an array over points, [dim * p + c], N, such that
+     * add_load() gives sum_p S_Ap f_p. Newton needs it where the particles'
+     * places are unknowns; with a load that has no such form it takes some more
+     * iterations.
+     */
+    virtual void
+    add_load_at_points(const StepData<dim> &step,
+                       std::vector<double> &point_force) const
+    {
+      (void)step;
+      (void)point_force;
+    }
+
+    /** Whether there is a force that depends on the displacement. */
+    virtual bool
+    is_force() const
+    {
+      return false;
+    }
+
+    /**
+     * Add the force, a share of the residual r = (inertia + internal force +
+     * ...) - loads, to @p force and, unless null, its derivative to
+     * @p jacobian; the constraints are worked into the derivative, not into
+     * the force.
+     *
+     * @return what is wrong on this rank with the iterate, empty if nothing;
+     *   then force and jacobian may be incomplete, but all collective calls
+     *   have been made.
+     */
+    virtual std::string
+    add(const StepData<dim> &step,
+        const Iterate<dim>  &iterate,
+        Vector              &force,
+        Matrix              *jacobian) const
+    {
+      (void)step;
+      (void)iterate;
+      (void)force;
+      (void)jacobian;
+      return "";
+    }
+
+    /**
+     * The energies of the accepted step, this rank's share. Always the same
+     * names in the same order.
+     *
+     * @param accepted particle states at t + dt
+     */
+    virtual std::vector<EnergyEntry>
+    energies(const StepData<dim>    &step,
+             const Vector           &displacement,
+             const PointArrays<dim> &accepted) const
+    {
+      (void)step;
+      (void)displacement;
+      (void)accepted;
+      return {};
+    }
+
+    /** The entries that energies() will return, with no change. */
+    virtual std::vector<EnergyEntry>
+    energy_entries() const
+    {
+      return {};
+    }
+
+    /** Whether measure() has numbers. */
+    virtual bool
+    measures() const
+    {
+      return false;
+    }
+
+    /**
+     * Numbers of the ledger that enter no balance: once per accepted step, and
+     * before the first. Always the same names in the same order.
+     * @param points states at @p time, s
+     */
+    virtual std::vector<StepMeasure>
+    measure(const PointArrays<dim>    &points,
+            const double               time,
+            const BackgroundGrid<dim> &grid)
+    {
+      (void)points;
+      (void)time;
+      (void)grid;
+      return {};
+    }
+
+    /** A line for the log, of an accepted step; or empty. */
+    virtual std::string
+    finding()
+    {
+      return "";
+    }
+  };
+
+  /** An effect that is a force on the displacement, and no more. */
+  template <int dim>
+  class ForceTerm : public Effect<dim>
+  {
+  public:
+    bool
+    is_force() const override
+    {
+      return true;
+    }
+    std::string
+    add(const StepData<dim> &step,
+        const Iterate<dim>  &iterate,
+        Vector              &force,
+        Matrix              *jacobian) const override = 0;
+    std::vector<EnergyEntry>
+    energies(const StepData<dim>    &step,
+             const Vector           &displacement,
+             const PointArrays<dim> &accepted) const override = 0;
+    std::vector<EnergyEntry>
+    energy_entries() const override = 0;
+  };
+
+  /** All that acts in a scene, inertia and internal force among the terms. */
+  template <int dim>
+  struct Effects
+  {
+    /** In the order in which they act. */
+    std::vector<std::unique_ptr<Effect<dim>>> terms;
+
+    /** Borrowed; one per body. There before the first effect is added. */
+    std::vector<const Material<dim> *> material_of_body;
+
+    /** Whose the terms are, in the table of times. */
+    std::vector<std::string> term_names;
+
+    /** Book the terms that have no name yet to an effect. */
+    void
+    name_new(const std::string &effect)
+    {
+      term_names.resize(terms.size(), effect);
+    }
+  };
+
+  /** The section of an effect, e.g. "Effects/Gravity". */
+  template <int dim>
+  class EffectParameters : public Section
+  {
+  public:
+    using Section::Section;
+
+    /**
+     * Check, build, and add to the scene's effects. Throws ExcParameter.
+     * @param layout to ask for the particle fields that the effect needs
+     */
+    virtual void
+    add_to(Effects<dim> &effects, FieldLayout &layout) const = 0;
+  };
+
+  /** All effects that Effects/Names can list. */
+  template <int dim>
+  Library<EffectParameters<dim>> &
+  effect_library();
+
+  /** "gravity" -> "Effects/Gravity": the section of an effect. */
+  std::string
+  effect_section(const std::string &effect_name);
+} // namespace emmy
+
+#endif

@@ -1,0 +1,59 @@
+#ifndef emmy_effects_starved_nodes_h
+#define emmy_effects_starved_nodes_h
+
+#include <emmy/base/effect_card.h>
+#include <emmy/effects/aggregation.h>
+#include <emmy/effects/effect.h>
+
+namespace emmy
+{
+  /** Its name in the card of a scene and in the table of times. */
+  constexpr const char *starved_nodes_effect = "aggregation";
+
+  /**
+   * `Method/Starved nodes` = follow: nodes that particles feed too little
+   * follow others, see Aggregation. It has no force: it ties nodes of the grid.
+   */
+  template <int dim>
+  class StarvedNodes : public Effect<dim>
+  {
+  public:
+    explicit StarvedNodes(Aggregation<dim> aggregation);
+
+    static EffectCard
+    card(const bool is_present);
+
+    bool
+    couples() const override;
+    void
+    classify(const Stencils<dim>       &stencils,
+             const PointArrays<dim>    &points,
+             const BackgroundGrid<dim> &grid) override;
+    void
+    couple(const Stencils<dim>           &stencils,
+           const BackgroundGrid<dim>     &grid,
+           const BoundaryConditions<dim> &boundary_conditions,
+           Couplings<dim>                &couplings) override;
+
+    /** How many follow, from how far, and the changes of class. */
+    bool
+    measures() const override;
+    std::vector<StepMeasure>
+    measure(const PointArrays<dim>    &points,
+            const double               time,
+            const BackgroundGrid<dim> &grid) override;
+    /** Where starved nodes are worse off than ever before. */
+    std::string
+    finding() override;
+
+  private:
+    const Aggregation<dim> aggregation;
+    NodeClasses<dim>       classes, classes_before; ///< of this step, the last
+    Aggregates<dim>        found;
+    /** Of all steps. */
+    std::uint64_t most_kept      = 0;
+    double        largest_weight = 0.;
+  };
+} // namespace emmy
+
+#endif

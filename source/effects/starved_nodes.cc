@@ -1,0 +1,99 @@
+#include <emmy/effects/starved_nodes.h>
+
+#include <algorithm>
+
+namespace emmy
+{
+  template <int dim>
+  StarvedNodes<dim>::StarvedNodes(Aggregation<dim> aggregation)
+    : aggregation(std::move(aggregation))
+  {}
+
+  template <int dim>
+  EffectCard
+  StarvedNodes<dim>::card(const bool is_present)
+  {
+    EffectCard card;
+    card.name       = starved_nodes_effect;
+    card.setting    = "Method/Starved nodes = follow";
+    card.is_present = is_present;
+    card.enters     = "particles to grid: roots; constraints of all solves";
+    card.couples    = "the roots' nodes with those that their followers reach";
+    card.ledger_columns = {"followers",
+                           "free_starved",
+                           "farthest_root",
+                           "largest_weight",
+                           "class_changes"};
+    return card;
+  }
+
+  template <int dim>
+  bool
+  StarvedNodes<dim>::couples() const
+  {
+    return true;
+  }
+
+  template <int dim>
+  void
+  StarvedNodes<dim>::classify(const Stencils<dim>       &stencils,
+                              const PointArrays<dim>    &points,
+                              const BackgroundGrid<dim> &grid)
+  {
+    classes = aggregation.classify(stencils, points, grid);
+  }
+
+  template <int dim>
+  void
+  StarvedNodes<dim>::couple(const Stencils<dim>       &stencils,
+                            const BackgroundGrid<dim> &grid,
+                            const BoundaryConditions<dim> &,
+                            Couplings<dim> &couplings)
+  {
+    found = aggregation.find(classes, stencils, grid);
+    for (const Follower<dim> &follower : found.followers)
+      {
+        couplings.tied_nodes.push_back({follower.node_id, {}});
+        for (const auto &master : follower.masters)
+          couplings.tied_nodes.back().masters.push_back(
+            {master.id, master.weight, grid.corner(master.place)});
+      }
+    couplings.has_tied_nodes |= found.n_followers > 0;
+  }
+
+  template <int dim>
+  bool
+  StarvedNodes<dim>::measures() const
+  {
+    return true;
+  }
+
+  template <int dim>
+  std::vector<StepMeasure>
+  StarvedNodes<dim>::measure(const PointArrays<dim> &,
+                             const double,
+                             const BackgroundGrid<dim> &grid)
+  {
+    const std::uint64_t changes = class_changes(classes_before, classes, grid);
+    classes_before              = classes;
+    return {{"followers", double(found.n_followers)},
+            {"free_starved", double(found.n_kept)},
+            {"farthest_root", double(found.farthest_root)},
+            {"largest_weight", found.largest_weight},
+            {"class_changes", double(changes)}};
+  }
+
+  template <int dim>
+  std::string
+  StarvedNodes<dim>::finding()
+  {
+    if (found.largest_weight <= largest_weight && found.n_kept <= most_kept)
+      return "";
+    largest_weight = std::max(largest_weight, found.largest_weight);
+    most_kept      = std::max(most_kept, found.n_kept);
+    return found.text();
+  }
+
+  template class StarvedNodes<2>;
+  template class StarvedNodes<3>;
+} // namespace emmy
