@@ -43,12 +43,15 @@ namespace emmy
     }
   } // namespace
 
-  Ledger::Ledger(const StepReport &initial, const unsigned int dim)
+  Ledger::Ledger(const StepReport  &initial,
+                 const unsigned int dim,
+                 LedgerSums        *sums_of_run)
     : dim(dim)
     , names(column_names(initial, dim))
-    , sums(initial.energies)
+    , sums(sums_of_run ? *sums_of_run : own_sums)
   {
-    for (EnergyEntry &sum : sums)
+    sums = {initial.energies};
+    for (EnergyEntry &sum : sums.energies)
       sum.change = 0.;
     StepReport first = initial;
     first.time_step  = 0.; // no step led here
@@ -73,15 +76,15 @@ namespace emmy
   void
   Ledger::add(const StepReport &report)
   {
-    AssertDimension(report.energies.size(), sums.size());
-    balance_error += report.kinetic_energy_change - report.residual_work;
-    residual_work += report.residual_work;
-    for (unsigned int i = 0; i < sums.size(); ++i)
+    AssertDimension(report.energies.size(), sums.energies.size());
+    sums.balance_error += report.kinetic_energy_change - report.residual_work;
+    sums.residual_work += report.residual_work;
+    for (unsigned int i = 0; i < sums.energies.size(); ++i)
       {
         const double change = report.energies[i].change;
-        sums[i].change += change;
-        balance_error +=
-          sums[i].kind == EnergyEntry::Kind::work ? -change : change;
+        sums.energies[i].change += change;
+        sums.balance_error +=
+          sums.energies[i].kind == EnergyEntry::Kind::work ? -change : change;
       }
 
     Row row{static_cast<double>(report.step),
@@ -90,9 +93,9 @@ namespace emmy
             report.totals.kinetic_energy,
             report.kinetic_energy_grid_old,
             report.kinetic_energy_grid_new};
-    for (const EnergyEntry &sum : sums)
+    for (const EnergyEntry &sum : sums.energies)
       row.push_back(sum.change);
-    row.insert(row.end(), {residual_work, balance_error});
+    row.insert(row.end(), {sums.residual_work, sums.balance_error});
     for (unsigned int d = 0; d < dim; ++d)
       row.push_back(report.totals.linear_momentum[d]);
     for (unsigned int d = (dim == 2 ? 2 : 0); d < 3; ++d)
@@ -133,7 +136,7 @@ namespace emmy
   const std::vector<EnergyEntry> &
   Ledger::energies() const
   {
-    return sums;
+    return sums.energies;
   }
 
   double
@@ -150,7 +153,7 @@ namespace emmy
   Ledger::total_energy() const
   {
     double total = (*this)["kinetic_energy"];
-    for (const EnergyEntry &sum : sums)
+    for (const EnergyEntry &sum : sums.energies)
       if (sum.kind == EnergyEntry::Kind::stored)
         total += sum.change;
     return total;

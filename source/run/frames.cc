@@ -26,6 +26,7 @@ namespace emmy
                       const SceneParameters<dim> &parameters,
                       const RunDirectory         &directory)
     : scene(scene)
+    , state(scene.state.frames)
     , wanted(parameters.output)
     , end_time(parameters.time.end_time)
     , directory(directory)
@@ -53,9 +54,10 @@ namespace emmy
     // the grid has no motion yet, so there is no grid file
     if (wanted.frames > 0)
       write_files(0., /*with_grid=*/false);
-    while (n_pictures < picture_times.size() && picture_times[n_pictures] <= 0.)
-      ++n_pictures;
-    if (pictures && n_pictures > 0)
+    while (state.n_pictures < picture_times.size() &&
+           picture_times[state.n_pictures] <= 0.)
+      ++state.n_pictures;
+    if (pictures && state.n_pictures > 0)
       take_picture(0.);
   }
 
@@ -66,18 +68,18 @@ namespace emmy
     const auto scope = scene.phases.scope("output");
     const auto due   = static_cast<unsigned int>(
       wanted.frames * std::min(1., report.time / end_time * (1. + 1e-12)));
-    if (due > n_intervals)
+    if (due > state.n_intervals)
       {
-        n_intervals = due;
+        state.n_intervals = due;
         write_files(report.time, /*with_grid=*/true);
       }
     // the step that ends nearest to a wanted time
     const double reached           = report.time + 0.5 * report.time_step;
-    const auto   n_pictures_so_far = n_pictures;
-    while (n_pictures < picture_times.size() &&
-           picture_times[n_pictures] <= reached)
-      ++n_pictures;
-    if (pictures && n_pictures > n_pictures_so_far)
+    const auto   n_pictures_so_far = state.n_pictures;
+    while (state.n_pictures < picture_times.size() &&
+           picture_times[state.n_pictures] <= reached)
+      ++state.n_pictures;
+    if (pictures && state.n_pictures > n_pictures_so_far)
       take_picture(report.time);
   }
 
@@ -86,11 +88,11 @@ namespace emmy
   Frames<dim>::finish(const StepReport &last, const bool is_complete)
   {
     const auto scope = scene.phases.scope("pictures");
-    if (wanted.frames > 0 && last_frame < last.time)
+    if (wanted.frames > 0 && state.last_frame < last.time)
       write_files(last.time, /*with_grid=*/is_complete);
     if (!pictures)
       return {};
-    if (last_picture < last.time && wanted.picture_times.empty())
+    if (state.last_picture < last.time && wanted.picture_times.empty())
       take_picture(last.time);
     return is_first ? pictures->draw() : std::vector<std::string>();
   }
@@ -103,8 +105,8 @@ namespace emmy
       write_particles(time);
     if (wanted.grid_files && with_grid)
       write_grid(time);
-    last_frame = time;
-    ++n_frames;
+    state.last_frame = time;
+    ++state.n_frames;
   }
 
   template <int dim>
@@ -147,8 +149,8 @@ namespace emmy
                        dealii::ArrayView<const double>(values.data(),
                                                        values.size()));
       }
-    const std::string name =
-      file.write(directory.path(), "particles", n_frames, time, communicator);
+    const std::string name = file.write(
+      directory.path(), "particles", state.n_frames, time, communicator);
     particle_series.add(time, name);
   }
 
@@ -201,7 +203,7 @@ namespace emmy
                                                       values.size()));
       }
     const std::string name =
-      file.write(directory.path(), "grid", n_frames, time, communicator);
+      file.write(directory.path(), "grid", state.n_frames, time, communicator);
     grid_series.add(time, name);
   }
 
@@ -209,7 +211,7 @@ namespace emmy
   void
   Frames<dim>::take_picture(const double time)
   {
-    last_picture = time;
+    state.last_picture = time;
 
     const std::size_t stride =
       1 + scene.particles.n_global_particles() / max_drawn_particles;

@@ -176,7 +176,7 @@ namespace emmy
     parameters.solver.validate(); // not only when the first step needs it
     Scene<dim>       scene(parameters, communicator);
     const StepReport initial = scene.initial_report();
-    Ledger           ledger(initial, dim);
+    Ledger           ledger(initial, dim, &scene.state.ledger);
     const SceneCard  card = [&] {
       const auto timed = scene.phases.scope("scene card");
       return make_card(scene, parameters, options.with_absent);

@@ -385,7 +385,7 @@ namespace emmy
   std::unique_ptr<TimeIntegrator<dim>>
   Scene<dim>::make_stepper(const SceneParameters<dim> &parameters)
   {
-    const StepMethod<dim> method{*shape_functions,
+    const StepMethod<dim>  method{*shape_functions,
                                  domain_update.get(),
                                  mapping,
                                  *step_rule,
@@ -394,23 +394,13 @@ namespace emmy
                                  parameters.diagnosis,
                                  middle.get(),
                                  parameters.method.geometry_tolerance};
+    const StepSetting<dim> setting{
+      grid, boundary_conditions, layout, method, parameters.time, phases};
     if (explicit_force)
-      return std::make_unique<ExplicitStepper<dim>>(grid,
-                                                    boundary_conditions,
-                                                    layout,
-                                                    method,
+      return std::make_unique<ExplicitStepper<dim>>(setting,
                                                     *explicit_force,
-                                                    parameters.time,
-                                                    particles,
-                                                    phases);
-    return std::make_unique<Stepper<dim>>(grid,
-                                          boundary_conditions,
-                                          layout,
-                                          method,
-                                          parameters.solver,
-                                          parameters.time,
-                                          particles,
-                                          phases);
+                                                    state);
+    return std::make_unique<Stepper<dim>>(setting, parameters.solver, state);
   }
 
   template <int dim>

@@ -102,15 +102,19 @@ namespace emmy
     return dealii::Utilities::MPI::max(largest, active.communicator()) - 1.;
   }
 
-  Detector::Detector(const RemediesInUse &in_use)
+  Detector::Detector(const RemediesInUse &in_use,
+                     DetectorState       &state,
+                     Told                &told)
     : in_use(in_use)
+    , state(state)
+    , told(told)
   {}
 
   void
   Detector::begin(const double overfill, StepReport &initial)
   {
-    overfill_at_start      = std::max(0., overfill);
-    largest_kinetic_energy = initial.totals.kinetic_energy;
+    state.overfill_at_start      = std::max(0., overfill);
+    state.largest_kinetic_energy = initial.totals.kinetic_energy;
     for (const auto &[name, value] :
          {std::make_pair("hidden_kinetic_energy", 0.),
           std::make_pair("hidden_share", 0.),
@@ -126,9 +130,9 @@ namespace emmy
   {
     // a sum of squares; below zero only by round-off of a difference
     const double unseen = std::max(0., hidden);
-    const double scale =
-      std::max(largest_kinetic_energy, least_kinetic_part * largest_stored);
-    const double share = scale > 0. ? unseen / scale : 0.;
+    const double scale  = std::max(state.largest_kinetic_energy,
+                                  least_kinetic_part * state.largest_stored);
+    const double share  = scale > 0. ? unseen / scale : 0.;
     for (const auto &[name, value] :
          {std::make_pair("hidden_kinetic_energy", unseen),
           std::make_pair("hidden_share", share),
@@ -136,21 +140,21 @@ namespace emmy
       report.measures.push_back({name, value});
 
     const std::string found = finding(unseen, share, overfill);
-    if (!found.empty() && !has_told)
+    if (!found.empty() && !told.detected)
       {
-        has_told = true;
+        told.detected = true;
         report.notes.push_back(where + ": " + found +
                                ". Results can be wrong while all balances "
                                "hold. Remedy: " +
                                remedy());
       }
 
-    largest_kinetic_energy =
-      std::max(largest_kinetic_energy, report.totals.kinetic_energy);
+    state.largest_kinetic_energy =
+      std::max(state.largest_kinetic_energy, report.totals.kinetic_energy);
     for (const EnergyEntry &entry : report.energies)
       if (entry.kind == EnergyEntry::Kind::stored)
-        stored_energy += entry.change;
-    largest_stored = std::max(largest_stored, stored_energy);
+        state.stored_energy += entry.change;
+    state.largest_stored = std::max(state.largest_stored, state.stored_energy);
   }
 
   std::string
@@ -158,18 +162,18 @@ namespace emmy
                     const double share,
                     const double overfill)
   {
-    const double more = overfill - overfill_at_start;
+    const double more = overfill - state.overfill_at_start;
     const bool   is_stored =
-      largest_stored > least_stored_part * largest_kinetic_energy;
+      state.largest_stored > least_stored_part * state.largest_kinetic_energy;
     const auto count = [](unsigned int &n, const bool is_beyond) {
       n = is_beyond ? n + 1 : 0;
       return n >= n_steps_on_end;
     };
     const bool both =
-      count(n_both,
+      count(state.n_both,
             is_stored && share > largest_share && more > largest_overfill);
-    const bool much = count(n_hidden, share > largest_share_alone);
-    const bool full = count(n_overfilled, more > largest_overfill_alone);
+    const bool much = count(state.n_hidden, share > largest_share_alone);
+    const bool full = count(state.n_overfilled, more > largest_overfill_alone);
     std::vector<std::string> signs;
     if (both || much)
       signs.push_back("particles have " + rounded(hidden) + " J, " +

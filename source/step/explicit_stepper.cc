@@ -19,105 +19,81 @@ namespace emmy
   }
 
   template <int dim>
-  ExplicitStepper<dim>::ExplicitStepper(
-    BackgroundGrid<dim>                     &grid,
-    const BoundaryConditions<dim>           &boundary_conditions,
-    const FieldLayout                       &layout,
-    const StepMethod<dim>                   &method,
-    const ExplicitForce<dim>                &force,
-    const TimeParameters                    &time_parameters,
-    dealii::Particles::ParticleHandler<dim> &particles,
-    Phases                                  &phases)
-    : grid(grid)
-    , boundary_conditions(boundary_conditions)
-    , layout(layout)
-    , method(method)
+  ExplicitStepper<dim>::ExplicitStepper(const StepSetting<dim>   &setting,
+                                        const ExplicitForce<dim> &force,
+                                        RunState<dim>            &state)
+    : Base(setting,
+           state,
+           {setting.layout.has("half_length"),
+            /*middle=*/true,
+            /*followers=*/true,
+            setting.method.mapping.flip_fraction < 1.})
     , force(force)
-    , limits(time_parameters)
-    , particles(particles)
-    , phases(phases)
-    , domains(method.domain_update, grid, layout, phases)
-    , detector({layout.has("half_length"),
-                /*middle=*/true,
-                /*followers=*/true,
-                method.mapping.flip_fraction < 1.})
   {}
 
   template <int dim>
   StepReport
   ExplicitStepper<dim>::advance()
   {
-    StepReport result;
+    std::vector<std::string> notes;
 
     // particles -> grid
-    const Stencils<dim>    stencils = timed("stencils", [&] {
-      return method.shape_functions.evaluate(particles, grid);
-    });
-    const PointArrays<dim> points =
-      timed("gather", [&] { return gather(stencils, layout); });
-    timed("particles to grid", [&] { particles_to_grid(stencils, points); });
+    const Ground<dim> ground = this->ground_at_start();
+    timed("particles to grid", [&] { renew_grid(ground); });
 
     // forces with the stress at t
     const StepSize chosen = timed("step size", [&] {
-      return choose_step_size(
-        method, limits, layout, stencils, points, *start.active, time);
+      return choose_step_size(setting.method,
+                              setting.limits,
+                              setting.layout,
+                              ground.stencils,
+                              ground.points,
+                              *start.active,
+                              state.time);
     });
-    if (!chosen.note.empty() && !has_limited_travel)
-      {
-        has_limited_travel = true;
-        result.notes.push_back(where() + ": " + chosen.note);
-      }
-    auto travel = wall_travel;
-    if (boundary_conditions.has_moving_walls())
-      {
-        const auto moved =
-          boundary_conditions.wall_displacements(time, chosen.time_step);
-        for (unsigned int side = 0; side < 2 * dim; ++side)
-          travel[side] += moved[side];
-        boundary_conditions.check_travel(travel, where());
-      }
-    const StepData<dim> step{
-      stencils, points, start, time, chosen.time_step, &phases};
-    const Motion motion =
+    this->note_limit(chosen, notes);
+    const auto          wall_travel = this->wall_travel_after(chosen.time_step);
+    const StepData<dim> step{ground.stencils,
+                             ground.points,
+                             start,
+                             state.time,
+                             chosen.time_step,
+                             &setting.phases};
+    const Motion        motion =
       timed("forces and velocities", [&] { return accelerate(step); });
 
     // grid -> particles, the stress last; a step that fails leaves no trace
-    const PointArrays<dim> trial =
-      timed("motion and stress", [&] { return move(step, motion, result); });
-    timed("accounts", [&] { report(step, motion, trial, result); });
-    timed("grid to particles",
-          [&] { grid_to_particles(stencils, trial, layout, grid, particles); });
-
-    for (const char *phase : {"stencils",
-                              "gather",
-                              "particles to grid",
-                              "forces and velocities",
-                              "motion and stress",
-                              "accounts",
-                              "grid to particles"})
-      phases.add_count(phase, points.n_points());
+    const PointArrays<dim> trial = timed("motion and stress", [&] {
+      return move(ground, step, motion, notes);
+    });
+    StepReport             result =
+      timed("accounts", [&] { return report(ground, step, motion, trial); });
+    result.notes.insert(result.notes.begin(), notes.begin(), notes.end());
+    accept(ground, trial, wall_travel, result);
+    for (const char *phase :
+         {"forces and velocities", "motion and stress", "accounts"})
+      setting.phases.add_count(phase, ground.points.n_points());
     start.velocity = start.active->to_vector(motion.velocity_old);
     velocity       = start.active->to_vector(motion.velocity_new);
-    kinetic_energy = result.totals.kinetic_energy;
-    time           = result.time;
-    step_number    = result.step;
-    wall_travel    = travel;
     return result;
   }
 
   template <int dim>
-  void
-  ExplicitStepper<dim>::particles_to_grid(const Stencils<dim>    &stencils,
-                                          const PointArrays<dim> &points)
+  const ActiveGrid<dim> &
+  ExplicitStepper<dim>::renew_grid(const Ground<dim> &ground)
   {
-    if (!start.active || !start.active->fits(stencils, {}))
+    if (!start.active || !start.active->fits(ground.stencils, {}))
       start.active = std::make_unique<const ActiveGrid<dim>>(
-        stencils,
+        ground.stencils,
         Couplings<dim>(),
-        grid,
-        boundary_conditions,
+        setting.grid,
+        setting.boundary_conditions,
         ActiveGrid<dim>::Matrices::none);
-    lumped = particles_to_lumped_grid(stencils, points, layout, *start.active);
+    lumped = particles_to_lumped_grid(ground.stencils,
+                                      ground.points,
+                                      setting.layout,
+                                      *start.active);
+    return *start.active;
   }
 
   template <int dim>
@@ -136,7 +112,8 @@ namespace emmy
                                             step.time - 0.5 * dt,
                                             dt,
                                             step.phases};
-    std::vector<double> load = method.balance.loads(half_a_step_earlier);
+    std::vector<double> load =
+      setting.method.balance.loads(half_a_step_earlier);
     if (!load.empty()) // a rank without nodes shares none
       active.share(load);
     load.resize(internal.size()); // zero, if there is none
@@ -150,7 +127,7 @@ namespace emmy
         motion.velocity_new[i] +=
           dt * (load[i] - internal[i]) / lumped.mass[i / dim];
     motion.is_fixed.resize(internal.size());
-    if (boundary_conditions.has_walls())
+    if (setting.boundary_conditions.has_walls())
       set_walls(step, motion);
     for (unsigned int i = 0; i < internal.size(); ++i)
       motion.displacement[i] = dt * motion.velocity_new[i];
@@ -181,39 +158,43 @@ namespace emmy
   ExplicitStepper<dim>::set_walls(const StepData<dim> &step,
                                   Motion              &motion) const
   {
-    const ActiveGrid<dim> &active     = *step.start.active;
-    const bool             has_moving = boundary_conditions.has_moving_walls();
+    const ActiveGrid<dim> &active = *step.start.active;
+    const bool has_moving = setting.boundary_conditions.has_moving_walls();
     typename BoundaryConditions<dim>::Sides at_start{}, at_end{};
     if (has_moving)
       {
-        at_start = boundary_conditions.wall_velocities(step.time);
-        at_end =
-          boundary_conditions.wall_velocities(step.time + step.time_step);
+        at_start = setting.boundary_conditions.wall_velocities(step.time);
+        at_end   = setting.boundary_conditions.wall_velocities(step.time +
+                                                             step.time_step);
       }
     for (unsigned int node = 0; node < active.n_local_nodes(); ++node)
       {
         const auto &position = active.position(node);
-        const auto  fixed    = boundary_conditions.fixed_components(position);
+        const auto  fixed =
+          setting.boundary_conditions.fixed_components(position);
         for (unsigned int c = 0; c < dim; ++c)
           if (fixed[c])
             {
               const unsigned int i = dim * node + c;
               motion.is_fixed[i]   = true;
               motion.velocity_old[i] =
-                has_moving ? boundary_conditions.value(at_start, position, c)
-                           : 0.;
+                has_moving
+                  ? setting.boundary_conditions.value(at_start, position, c)
+                  : 0.;
               motion.velocity_new[i] =
-                has_moving ? boundary_conditions.value(at_end, position, c)
-                           : 0.;
+                has_moving
+                  ? setting.boundary_conditions.value(at_end, position, c)
+                  : 0.;
             }
       }
   }
 
   template <int dim>
   PointArrays<dim>
-  ExplicitStepper<dim>::move(const StepData<dim> &step,
-                             const Motion        &motion,
-                             StepReport          &result)
+  ExplicitStepper<dim>::move(const Ground<dim>        &ground,
+                             const StepData<dim>      &step,
+                             const Motion             &motion,
+                             std::vector<std::string> &notes)
   {
     const ActiveGrid<dim> &active = *step.start.active;
     const std::string      remedy =
@@ -223,18 +204,18 @@ namespace emmy
       "more robust. Or set Time/Integrator = implicit.";
 
     // v_p <- alpha v_p + sum S (v_new - alpha v_old)
-    const double        alpha  = method.mapping.flip_fraction;
+    const double        alpha  = setting.method.mapping.flip_fraction;
     std::vector<double> change = motion.velocity_new;
     for (unsigned int i = 0; i < change.size(); ++i)
       change[i] -= alpha * motion.velocity_old[i];
     PointArrays<dim> trial = step.points;
-    throw_together(grid.communicator(),
+    throw_together(setting.grid.communicator(),
                    where(),
                    move_points(step.stencils,
                                step.points,
                                active,
-                               grid,
-                               layout,
+                               setting.grid,
+                               setting.layout,
                                alpha,
                                motion.displacement,
                                change,
@@ -243,14 +224,11 @@ namespace emmy
 
     const std::vector<double> straining =
       straining_displacement(step, motion, trial);
-    throw_together(grid.communicator(),
+    throw_together(setting.grid.communicator(),
                    where(),
                    force.update(step, straining, trial),
                    remedy);
-    const std::string note = domains.follow(
-      step.stencils, step.points, active, straining, where(), trial);
-    if (!note.empty())
-      result.notes.push_back(note);
+    this->follow_domains(ground, active, straining, trial, notes);
     return trial;
   }
 
@@ -261,11 +239,13 @@ namespace emmy
     const Motion           &motion,
     const PointArrays<dim> &trial) const
   {
-    if (limits.stress_update == "plain")
+    if (setting.limits.stress_update == "plain")
       return motion.displacement;
-    std::vector<double> result =
-      particles_to_lumped_grid(step.stencils, trial, layout, *step.start.active)
-        .velocity;
+    std::vector<double> result = particles_to_lumped_grid(step.stencils,
+                                                          trial,
+                                                          setting.layout,
+                                                          *step.start.active)
+                                   .velocity;
     for (unsigned int i = 0; i < result.size(); ++i)
       result[i] = motion.is_fixed[i] ? motion.displacement[i]
                                      : step.time_step * result[i];
@@ -273,22 +253,19 @@ namespace emmy
   }
 
   template <int dim>
-  void
-  ExplicitStepper<dim>::report(const StepData<dim>    &step,
+  StepReport
+  ExplicitStepper<dim>::report(const Ground<dim>      &ground,
+                               const StepData<dim>    &step,
                                const Motion           &motion,
-                               const PointArrays<dim> &trial,
-                               StepReport             &result)
+                               const PointArrays<dim> &trial)
   {
-    result.step      = step_number + 1;
-    result.time_step = step.time_step;
-    result.time      = time + step.time_step;
-    result.totals    = measure(trial, layout, grid.communicator());
+    StepReport result = this->begin_report(step.time_step, trial);
     result.kinetic_energy_change =
-      result.totals.kinetic_energy - kinetic_energy;
+      result.totals.kinetic_energy - state.kinetic_energy;
 
     // the sums over this rank first, in one exchange
     result.energies = force.energies(step.points, trial, motion.stress_work);
-    for (const EnergyEntry &entry : method.balance.energy_entries())
+    for (const EnergyEntry &entry : setting.method.balance.energy_entries())
       result.energies.push_back(
         {entry.name, entry.kind, motion.load_work}); // there is no other
     std::vector<double> sums{motion.kinetic_energy_old,
@@ -299,7 +276,7 @@ namespace emmy
     const std::size_t   n = sums.size();
     for (const EnergyEntry &entry : result.energies)
       sums.push_back(entry.change);
-    dealii::Utilities::MPI::sum(sums, grid.communicator(), sums);
+    dealii::Utilities::MPI::sum(sums, setting.grid.communicator(), sums);
     for (std::size_t i = 0; i < result.energies.size(); ++i)
       result.energies[i].change = sums[n + i];
 
@@ -309,26 +286,16 @@ namespace emmy
     StepAccounts books;
     books.reaction_work = sums[3];
     add_mapping_losses(step,
-                       layout,
-                       method.mapping,
+                       setting.layout,
+                       setting.method.mapping,
                        motion.velocity_old,
                        motion.velocity_new,
                        books);
     for (const EnergyEntry &entry : account_entries(books, sums[2]))
       result.energies.push_back(entry);
-    detector.look(
-      books.hidden_kinetic_energy,
-      overfill(step.stencils, step.points, trial, layout, *start.active, grid),
-      where(),
-      result);
-    for (StepMeasure &measure :
-         method.balance.measures(trial, result.time, grid, &phases))
-      result.measures.push_back(std::move(measure));
-    result.active_cells =
-      dealii::Utilities::MPI::sum(static_cast<std::uint64_t>(
-                                    start.active->cells().size()),
-                                  grid.communicator());
-    result.active_dofs = start.active->n_dofs();
+    this->end_report(
+      ground, trial, *start.active, books.hidden_kinetic_energy, result);
+    return result;
   }
 
   template <int dim>
@@ -338,52 +305,23 @@ namespace emmy
   {
     std::vector<EnergyEntry> entries =
       emmy::account_entries(accounts,
-                            method.mapping,
-                            boundary_conditions.has_moving_walls());
+                            setting.method.mapping,
+                            setting.boundary_conditions.has_moving_walls());
     entries.push_back(
       {"velocity_update_loss", EnergyEntry::Kind::dissipated, loss});
     return entries;
   }
 
   template <int dim>
-  StepReport
-  ExplicitStepper<dim>::initial_report()
+  std::vector<EnergyEntry>
+  ExplicitStepper<dim>::energy_entries() const
   {
-    const Stencils<dim> stencils =
-      method.shape_functions.evaluate(particles, grid);
-    const PointArrays<dim> points = gather(stencils, layout);
-    particles_to_grid(stencils, points);
-
-    StepReport result;
-    result.time_step =
-      choose_step_size(
-        method, limits, layout, stencils, points, *start.active, time)
-        .time_step;
-    result.totals = measure(points, layout, grid.communicator());
-    detector.begin(
-      overfill(stencils, points, points, layout, *start.active, grid), result);
-    for (StepMeasure &measure :
-         method.balance.measures(points, time, grid, &phases))
-      result.measures.push_back(std::move(measure));
-    kinetic_energy  = result.totals.kinetic_energy;
-    result.energies = force.energy_entries();
-    for (const EnergyEntry &entry : method.balance.energy_entries())
-      result.energies.push_back(entry);
+    std::vector<EnergyEntry> entries = force.energy_entries();
+    for (const EnergyEntry &entry : setting.method.balance.energy_entries())
+      entries.push_back(entry);
     for (const EnergyEntry &entry : account_entries(StepAccounts(), 0.))
-      result.energies.push_back(entry);
-    result.active_cells =
-      dealii::Utilities::MPI::sum(static_cast<std::uint64_t>(
-                                    start.active->cells().size()),
-                                  grid.communicator());
-    result.active_dofs = start.active->n_dofs();
-    return result;
-  }
-
-  template <int dim>
-  std::string
-  ExplicitStepper<dim>::where() const
-  {
-    return step_name(step_number + 1, time);
+      entries.push_back(entry);
+    return entries;
   }
 
   template <int dim>

@@ -22,6 +22,13 @@ namespace emmy
     double      change; ///< in this step, J
   };
 
+  /** What the ledger has summed so far, J. */
+  struct LedgerSums
+  {
+    std::vector<EnergyEntry> energies; ///< .change is the sum so far
+    double                   residual_work = 0., balance_error = 0.;
+  };
+
   /** A number of a step that enters no balance: a column of the ledger. */
   struct StepMeasure
   {

@@ -26,8 +26,12 @@ namespace emmy
      * @param initial  the state before the first step; its energy entries and
      *   measures are those of all later reports
      * @param dim      2: only momenta in the plane
+     * @param sums     where the sums are kept; null: in the ledger
      */
-    Ledger(const StepReport &initial, const unsigned int dim);
+    Ledger(const StepReport  &initial,
+           const unsigned int dim,
+           LedgerSums        *sums = nullptr);
+    Ledger(const Ledger &) = delete;
 
     /**
      * From now on write rows, those so far included, to a file.
@@ -67,8 +71,8 @@ namespace emmy
     const unsigned int       dim;
     std::vector<std::string> names;
     std::vector<Row>         all_rows;
-    std::vector<EnergyEntry> sums; ///< .change is the sum so far
-    double                   residual_work = 0., balance_error = 0.;
+    LedgerSums               own_sums;
+    LedgerSums              &sums;
     std::string              name, write_problem;
     std::ofstream            file;
   };

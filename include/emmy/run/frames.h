@@ -56,6 +56,7 @@ namespace emmy
     take_picture(const double time);
 
     Scene<dim>               &scene;
+    FramesState              &state;
     const OutputParameters   &wanted;
     const double              end_time;
     const RunDirectory       &directory;
@@ -64,8 +65,6 @@ namespace emmy
     std::unique_ptr<Pictures> pictures; // none unless wanted
     Series                    particle_series, grid_series;
     std::vector<double>       picture_times;
-    unsigned int              n_pictures = 0, n_frames = 0, n_intervals = 0;
-    double                    last_frame = -1., last_picture = -1.;
   };
 } // namespace emmy
 

@@ -69,7 +69,8 @@ namespace emmy
     PointMapping                                   mapping;
     std::unique_ptr<StepRule<dim>>                 step_rule;
     std::unique_ptr<const TravelLimit<dim>>        travel_limit; ///< null: none
-    dealii::Particles::ParticleHandler<dim>        particles;
+    RunState<dim>                                  state;
+    dealii::Particles::ParticleHandler<dim>       &particles = state.particles;
     std::unique_ptr<TimeIntegrator<dim>>           stepper;
     std::vector<std::unique_ptr<Measurement<dim>>> measurements;
     /** On which particles effects act, in words. */

@@ -4,6 +4,7 @@
 #include <emmy/effects/step_report.h>
 #include <emmy/particles/field_layout.h>
 #include <emmy/particles/point_arrays.h>
+#include <emmy/step/run_state.h>
 #include <emmy/system/active_grid.h>
 
 #include <string>
@@ -60,12 +61,14 @@ namespace emmy
    * The bounds lie between what healthy scenes with GIMP have, an overfill of
    * at most 0.008 where energy is stored, and what columns have whose
    * settlement is 1 to 2 % wrong. All ranks call it with the same numbers.
-   * Owned by the integrator. Cost: none.
+   * Owned by the integrator; what it has seen is
+   * part of RunState. Cost: none.
    */
   class Detector
   {
   public:
-    explicit Detector(const RemediesInUse &in_use);
+    /** Borrows both. */
+    Detector(const RemediesInUse &in_use, DetectorState &state, Told &told);
 
     /** Add the columns to the report of the initial state. */
     void
@@ -92,12 +95,8 @@ namespace emmy
     remedy() const;
 
     const RemediesInUse in_use;
-    double              largest_kinetic_energy = 0.;             ///< J
-    double              stored_energy = 0., largest_stored = 0.; ///< J
-    double              overfill_at_start = 0.;
-    /** Steps on end beyond the bounds: of both, of each alone. */
-    unsigned int n_both = 0, n_hidden = 0, n_overfilled = 0;
-    bool         has_told = false;
+    DetectorState      &state;
+    Told               &told;
   };
 } // namespace emmy
 

@@ -3,9 +3,7 @@
 
 #include <emmy/effects/explicit_force.h>
 #include <emmy/step/accounts.h>
-#include <emmy/step/detector.h>
-#include <emmy/step/domains_of_step.h>
-#include <emmy/step/step_size.h>
+#include <emmy/step/time_integrator.h>
 #include <emmy/transfer/lumped_grid.h>
 
 namespace emmy
@@ -44,17 +42,10 @@ namespace emmy
   class ExplicitStepper : public TimeIntegrator<dim>
   {
   public:
-    ExplicitStepper(BackgroundGrid<dim>           &grid,
-                    const BoundaryConditions<dim> &boundary_conditions,
-                    const FieldLayout             &layout,
-                    const StepMethod<dim>         &method,
-                    const ExplicitForce<dim>      &force,
-                    const TimeParameters          &time_parameters,
-                    dealii::Particles::ParticleHandler<dim> &particles,
-                    Phases                                  &phases);
+    ExplicitStepper(const StepSetting<dim>   &setting,
+                    const ExplicitForce<dim> &force,
+                    RunState<dim>            &state);
 
-    StepReport
-    initial_report() override;
     StepReport
     advance() override;
     std::string
@@ -70,13 +61,12 @@ namespace emmy
     diagnosis() const override;
 
   private:
-    template <class Stage>
-    decltype(auto)
-    timed(const char *phase, Stage &&stage)
-    {
-      const auto scope = phases.scope(phase);
-      return stage();
-    }
+    using Base = TimeIntegrator<dim>;
+    using Base::accept;
+    using Base::setting;
+    using Base::state;
+    using Base::timed;
+    using Base::where;
 
     /** The motion of the grid, at the local nodes: [dim * node + c]. */
     struct Motion
@@ -90,10 +80,11 @@ namespace emmy
              reaction_work = 0., residual_work = 0.;
     };
 
-    /** Renew active nodes, mass and momentum. Collective. */
-    void
-    particles_to_grid(const Stencils<dim>    &stencils,
-                      const PointArrays<dim> &points);
+    /** Mass and momentum too. */
+    const ActiveGrid<dim> &
+    renew_grid(const Ground<dim> &ground) override;
+    std::vector<EnergyEntry>
+    energy_entries() const override;
     /** v_0 and v_1, and what this does to the energy. Collective. */
     Motion
     accelerate(const StepData<dim> &step) const;
@@ -106,37 +97,23 @@ namespace emmy
                            const PointArrays<dim> &trial) const;
     /** States, positions, velocities and domains at t + dt. Collective. */
     PointArrays<dim>
-    move(const StepData<dim> &step, const Motion &motion, StepReport &result);
-    void
-    report(const StepData<dim>    &step,
+    move(const Ground<dim>        &ground,
+         const StepData<dim>      &step,
+         const Motion             &motion,
+         std::vector<std::string> &notes);
+    StepReport
+    report(const Ground<dim>      &ground,
+           const StepData<dim>    &step,
            const Motion           &motion,
-           const PointArrays<dim> &trial,
-           StepReport             &result);
+           const PointArrays<dim> &trial);
     std::vector<EnergyEntry>
     account_entries(const StepAccounts &accounts, const double loss) const;
-    std::string
-    where() const;
 
-    BackgroundGrid<dim>                     &grid;
-    const BoundaryConditions<dim>           &boundary_conditions;
-    const FieldLayout                       &layout;
-    const StepMethod<dim>                    method;
-    const ExplicitForce<dim>                &force;
-    const TimeParameters                    &limits;
-    dealii::Particles::ParticleHandler<dim> &particles;
-    Phases                                  &phases;
-
-    DomainsOfStep<dim> domains;
-    Detector           detector;
-    GridStart<dim>     start; ///< without matrices
-    LumpedGrid<dim>    lumped;
-    Vector             velocity;
-    bool               has_limited_travel = false;
-    /** How far walls have moved, m. */
-    typename BoundaryConditions<dim>::Sides wall_travel{};
-    unsigned int                            step_number = 0;
-    double                                  time        = 0.;
-    double kinetic_energy = 0.; ///< of the particles at t, J
+    const ExplicitForce<dim> &force;
+    // what can be made again
+    GridStart<dim>  start; ///< without matrices
+    LumpedGrid<dim> lumped;
+    Vector          velocity;
   };
 } // namespace emmy
 

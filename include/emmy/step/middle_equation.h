@@ -6,14 +6,6 @@
 
 namespace emmy
 {
-  /** The points of a step and the nodes that they talk to. */
-  template <int dim>
-  struct Ground
-  {
-    Stencils<dim>    stencils;
-    PointArrays<dim> points; ///< states at t
-  };
-
   /**
    * The balance of a step whose grid is undeformed in its middle: all of the
    * step, shape functions, mass, momentum, loads and force, is of the places

@@ -119,6 +119,12 @@ namespace emmy
     Diagnosis<dim> mass, jacobian;
   };
 
+  /** Whether a small cut is to blame for a failure, and what helps. */
+  struct CutVerdict
+  {
+    std::string text, remedy; ///< for an error; may be empty
+  };
+
   /**
    * What helps against small cuts, beyond what the scene has already: a
    * sentence for an error's remedy.

@@ -1,7 +1,7 @@
 #ifndef emmy_step_step_size_h
 #define emmy_step_step_size_h
 
-#include <emmy/step/time_integrator.h>
+#include <emmy/step/step_method.h>
 
 namespace emmy
 {

@@ -3,11 +3,8 @@
 
 #include <emmy/solve/newton.h>
 #include <emmy/step/accounts.h>
-#include <emmy/step/detector.h>
-#include <emmy/step/domains_of_step.h>
 #include <emmy/step/middle_equation.h>
-#include <emmy/step/step_size.h>
-#include <emmy/transfer/grid_to_particles.h>
+#include <emmy/step/time_integrator.h>
 
 namespace emmy
 {
@@ -19,17 +16,9 @@ namespace emmy
   class Stepper : public TimeIntegrator<dim>
   {
   public:
-    Stepper(BackgroundGrid<dim>                     &grid,
-            const BoundaryConditions<dim>           &boundary_conditions,
-            const FieldLayout                       &layout,
-            const StepMethod<dim>                   &method,
-            const SolverParameters                  &solver_parameters,
-            const TimeParameters                    &time_parameters,
-            dealii::Particles::ParticleHandler<dim> &particles,
-            Phases                                  &phases);
-
-    StepReport
-    initial_report() override;
+    Stepper(const StepSetting<dim> &setting,
+            const SolverParameters &solver_parameters,
+            RunState<dim>          &state);
 
     /**
      * One step. A step that does not converge leaves no trace and is tried
@@ -56,14 +45,12 @@ namespace emmy
     diagnosis() const override;
 
   private:
-    /** Call @p stage and book its time under @p phase. */
-    template <class Stage>
-    decltype(auto)
-    timed(const char *phase, Stage &&stage)
-    {
-      const auto scope = phases.scope(phase);
-      return stage();
-    }
+    using Base = TimeIntegrator<dim>;
+    using Base::accept;
+    using Base::setting;
+    using Base::state;
+    using Base::timed;
+    using Base::where;
 
     /** A solved step that is not yet written to the particles. */
     struct Solution
@@ -73,13 +60,13 @@ namespace emmy
       std::unique_ptr<MiddleEquation<dim>> in_middle;
       std::unique_ptr<StepEquation<dim>>   of_start;
 
-      NewtonResult                            newton;
-      double                                  time_step;
-      unsigned int                            halvings    = 0;
-      bool                                    leaves_grid = false;
-      Vector                                  displacement, velocity;
-      typename BoundaryConditions<dim>::Sides wall_travel{};
-      std::vector<std::string>                notes, findings;
+      NewtonResult             newton;
+      double                   time_step   = 0.;
+      unsigned int             halvings    = 0;
+      bool                     leaves_grid = false;
+      Vector                   displacement, velocity;
+      typename Base::Sides     wall_travel{};
+      std::vector<std::string> notes, findings;
 
       const Ground<dim> &
       ground() const
@@ -93,63 +80,22 @@ namespace emmy
       }
     };
 
-    /** For the rates in the table of phases. */
-    void
-    count_points(const std::size_t n_points, const std::size_t n_evaluations);
-    void
-    velocity_from_momentum(const Stencils<dim>    &stencils,
-                           const PointArrays<dim> &points,
-                           GridStart<dim>         &start);
-    Diagnosis<dim>
-    diagnose_matrix(const Matrix           &matrix,
-                    const Stencils<dim>    &stencils,
-                    const PointArrays<dim> &points) const;
-    /** Estimate the conditions of both matrices of a solved step. */
-    void
-    examine(Solution &solution);
-    /**
-     * What examine() found, zero before the first step; of followers; and what
-     * probes find at points whose states are those at @p time. Collective.
-     */
-    void
-    add_measures(const PointArrays<dim>   &points,
-                 const double              time,
-                 std::vector<StepMeasure> &measures) const;
-    /** Whether the matrices are small enough to look for a small cut. */
-    bool
-    can_diagnose() const;
-    /** Say why the step fails at its smallest size. Throws on all ranks. */
-    void
-    give_up(const StepData<dim> &step, Solution &solution) const;
-    /** The size of a step whose grid is undeformed in its middle. */
-    StepSize
-    size_in_middle();
-    /** Stencils and states of the particles where they are. */
-    Ground<dim>
-    ground_at_start();
     /** Solve the step, with halvings, as the method wants it. */
     Solution
     solve();
+    /** The size of the step by the method's rule; notes what limits it. */
+    void
+    choose_size(Solution &solution);
+    /** The size of a step whose grid is undeformed in its middle. */
+    StepSize
+    size_in_middle();
     /** One try with the geometry of the start, or of the middle. */
     void
     try_from_start(Solution &solution);
     void
     try_in_middle(Solution &solution);
-    /** The size of the step by the method's rule; notes what limits it. */
     void
-    choose_size(Solution &solution);
-    /** The displacements of moving walls, with what is checked of them. */
-    typename BoundaryConditions<dim>::Sides
-    move_walls(Solution &solution) const;
-    /** A short line for the screen, and a long one for the log. */
-    void
-    tell(Solution &solution, const std::string &what, const std::string &why);
-    /** That places did not settle: once on the screen, always in the log. */
-    void
-    tell_of_held_places(Solution &solution);
-    /** What helps most often where Newton struggles; if it is not used yet. */
-    std::string
-    remedy() const;
+    velocity_from_momentum(const Ground<dim> &ground, GridStart<dim> &start);
     /**
      * Positions and velocities at the end of a solved step, in its trial
      * states. Where a particle leaves the grid the step has not converged.
@@ -162,39 +108,49 @@ namespace emmy
     /** What was done, and what the detector finds in it. Collective. */
     StepReport
     report(const Solution &solution);
-    /** What is left of the particles' angular momentum, and of the places. */
-    void
-    add_geometry_measures(const Solution           &solution,
-                          std::vector<StepMeasure> &measures) const;
-    /** Those accounts that the method can make differ from zero. */
+
+    const ActiveGrid<dim> &
+    renew_grid(const Ground<dim> &ground) override;
     std::vector<EnergyEntry>
-    account_entries(const StepAccounts &accounts) const;
+    energy_entries() const override;
+    /** Conditions of matrices, and what the middle leaves, too. */
+    void
+    add_measures(const PointArrays<dim>   &points,
+                 const double              time,
+                 std::vector<StepMeasure> &measures) override;
+
+    /** Estimate the conditions of both matrices of a solved step. */
+    void
+    examine(Solution &solution);
+    /** What is wrong with a matrix, in words; nothing where it is large. */
+    CutVerdict
+    verdict_on(const Matrix      &matrix,
+               const std::string &name,
+               const Ground<dim> &ground) const;
+    /** Say why the step fails at its smallest size. Throws on all ranks. */
+    void
+    give_up(Solution &solution) const;
+    /** A short line for the screen, and a long one for the log. */
+    void
+    tell(Solution &solution, const std::string &what, const std::string &why);
+    /** That places did not settle: once on the screen, always in the log. */
+    void
+    tell_of_held_places(Solution &solution);
+    /** What helps most often where Newton struggles; if it is not used yet. */
     std::string
-    where() const;
+    remedy() const;
 
-    BackgroundGrid<dim>                     &grid;
-    const BoundaryConditions<dim>           &boundary_conditions;
-    const FieldLayout                       &layout;
-    const StepMethod<dim>                    method;
-    const SolverParameters                  &solver_parameters;
-    const TimeParameters                    &limits;
-    dealii::Particles::ParticleHandler<dim> &particles;
-    Phases                                  &phases;
-
+    // what can be made again
+    const SolverParameters       &solver_parameters;
     ParticlesToGrid<dim>          particles_to_grid;
-    DomainsOfStep<dim>            domains;
-    Detector                      detector;
     std::unique_ptr<LinearSolver> linear_solver;
     const GridStart<dim>         *start = nullptr;
     Vector                        velocity;
     /** Null unless asked for, and before the first step. */
     std::unique_ptr<StepDiagnosis<dim>> findings;
-    bool has_limited_travel = false, has_struggled = false,
-         has_held_places = false;
-    /** How far walls have moved, m. */
-    typename BoundaryConditions<dim>::Sides wall_travel{};
-    unsigned int                            step_number = 0;
-    double                                  time        = 0.;
+    /** Of the last step's middle: see MiddleEquation. */
+    dealii::Tensor<1, 3> angular_momentum_left;
+    double               place_defect = 0.;
   };
 } // namespace emmy
 

@@ -1,49 +1,44 @@
 #ifndef emmy_step_time_integrator_h
 #define emmy_step_time_integrator_h
 
-#include <emmy/effects/step_report.h>
-#include <emmy/step/balance.h>
-#include <emmy/step/small_cuts.h>
-#include <emmy/step/step_rule.h>
-#include <emmy/step/travel_limit.h>
-#include <emmy/transfer/domain_update.h>
-#include <emmy/transfer/middle_places.h>
+#include <emmy/step/detector.h>
+#include <emmy/step/run_state.h>
+#include <emmy/step/step_size.h>
 
 namespace emmy
 {
-  /** What a step is made of, as the scene chose it; borrowed. */
+  /** What a step works on and with; borrowed. */
   template <int dim>
-  struct StepMethod
+  struct StepSetting
   {
-    const ShapeFunctions<dim> &shape_functions;
-    const DomainUpdate<dim>   *domain_update; ///< null: domains stay
-    const PointMapping        &mapping;
-    const StepRule<dim>       &step_rule;
-    const TravelLimit<dim>    *travel_limit; ///< null: no limit
-    const Balance<dim>        &balance;
-    const DiagnosisParameters &diagnosis;
-    /**
-     * Where the grid is undeformed in the middle of a step; null: at its start.
-     */
-    const MiddlePlaces<dim> *middle = nullptr;
-    /** How well places of the middle must hold, in cells. */
-    double geometry_tolerance = 0.;
+    BackgroundGrid<dim>           &grid;
+    const BoundaryConditions<dim> &boundary_conditions;
+    const FieldLayout             &layout;
+    const StepMethod<dim>          method;
+    const TimeParameters          &limits;
+    Phases                        &phases;
   };
 
   /**
-   * Advances the particles step by step: implicit (Stepper) or explicit
-   * (ExplicitStepper). Owned by the scene; the run loop and the output know no
-   * more of it than this.
+   * Advances a run step by step: implicit (Stepper) or explicit
+   * (ExplicitStepper). What both share is here: how a step begins, and how it
+   * is accepted. Owned by the scene; the run loop and the output know no more
+   * of it than the public part. What one step hands to the next is in the
+   * RunState; the rest is cache.
    */
   template <int dim>
   class TimeIntegrator
   {
   public:
+    /** Borrows the state. */
+    TimeIntegrator(const StepSetting<dim> &setting,
+                   RunState<dim>          &state,
+                   const RemediesInUse    &in_use);
     virtual ~TimeIntegrator() = default;
 
     /** The state before the first step, as row 0 of the ledger. Collective. */
-    virtual StepReport
-    initial_report() = 0;
+    StepReport
+    initial_report();
 
     /**
      * One step. Throws ExcRun on all ranks, with the particles as they were,
@@ -71,6 +66,84 @@ namespace emmy
     /** What was found in the last step; null unless it was asked for. */
     virtual const StepDiagnosis<dim> *
     diagnosis() const = 0;
+
+  protected:
+    using Sides = typename BoundaryConditions<dim>::Sides;
+
+    /** Call @p stage and book its time under @p phase. */
+    template <class Stage>
+    decltype(auto)
+    timed(const char *phase, Stage &&stage)
+    {
+      const auto scope = setting.phases.scope(phase);
+      return stage();
+    }
+
+    /** "Step 3 from t = 0.2 s": the step that comes next. */
+    std::string
+    where() const;
+    /** Stencils and states of the particles where they are. */
+    Ground<dim>
+    ground_at_start();
+    /** The note of a size, the first time that there is one. */
+    void
+    note_limit(const StepSize &size, std::vector<std::string> &notes);
+    /** How far walls will have moved at the end of a step, checked. */
+    Sides
+    wall_travel_after(const double time_step) const;
+    /**
+     * Write the domains at t + dt to @p trial, where there are any. Throws
+     * ExcRun on all ranks if one vanishes. Collective.
+     *
+     * @param displacement of the step at the local nodes, [dim * node + c], m
+     */
+    void
+    follow_domains(const Ground<dim>         &ground,
+                   const ActiveGrid<dim>     &active,
+                   const std::vector<double> &displacement,
+                   PointArrays<dim>          &trial,
+                   std::vector<std::string>  &notes);
+    /** The report of a step at whose end the particles are in trial states. */
+    StepReport
+    begin_report(const double time_step, const PointArrays<dim> &trial) const;
+    /**
+     * Add to a report what the detector finds, what is measured, and the size
+     * of the active grid. Collective.
+     * @param hidden kinetic energy that the grid does not see at t, J
+     */
+    void
+    end_report(const Ground<dim>      &ground,
+               const PointArrays<dim> &trial,
+               const ActiveGrid<dim>  &active,
+               const double            hidden,
+               StepReport             &report);
+    /** Grid to particles, and the next state of the run. Collective. */
+    void
+    accept(const Ground<dim>      &ground,
+           const PointArrays<dim> &trial,
+           const Sides            &wall_travel,
+           const StepReport       &report);
+
+    /** The active grid of the particles as they are. Collective. */
+    virtual const ActiveGrid<dim> &
+    renew_grid(const Ground<dim> &ground) = 0;
+    /** All entries of a step, with no change. */
+    virtual std::vector<EnergyEntry>
+    energy_entries() const = 0;
+    /** What effects measure; an integrator may add its own. Collective. */
+    virtual void
+    add_measures(const PointArrays<dim>   &points,
+                 const double              time,
+                 std::vector<StepMeasure> &measures);
+
+    const StepSetting<dim> setting;
+    RunState<dim>         &state;
+
+  private:
+    static void
+    add_size(const ActiveGrid<dim> &active, StepReport &report);
+
+    Detector detector;
   };
 } // namespace emmy
 

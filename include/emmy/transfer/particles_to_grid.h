@@ -25,6 +25,14 @@ namespace emmy
   PointArrays<dim>
   reordered(const PointArrays<dim> &states, const Stencils<dim> &stencils);
 
+  /** The points of a step and the nodes that they talk to. */
+  template <int dim>
+  struct Ground
+  {
+    Stencils<dim>    stencils;
+    PointArrays<dim> points; ///< states at t
+  };
+
   /** How masses and velocities go to the grid and come back. */
   struct PointMapping
   {
@@ -133,6 +141,12 @@ namespace emmy
     renew_but_for_mass(const Stencils<dim>    &stencils,
                        const PointArrays<dim> &points,
                        const Couplings<dim>   &couplings);
+    /** What the last renewal made. */
+    GridStart<dim> &
+    last()
+    {
+      return start;
+    }
     /** The matrices of the mass, on the active nodes of the last renewal. */
     void
     assemble_mass(const Stencils<dim>    &stencils,

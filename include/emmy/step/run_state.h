@@ -1,0 +1,57 @@
+#ifndef emmy_step_run_state_h
+#define emmy_step_run_state_h
+
+#include <deal.II/particles/particle_handler.h>
+
+#include <emmy/effects/step_report.h>
+#include <emmy/grid/boundary_conditions.h>
+
+namespace emmy
+{
+  /** What the detector has seen so far. */
+  struct DetectorState
+  {
+    double largest_kinetic_energy = 0.;             ///< J
+    double stored_energy = 0., largest_stored = 0.; ///< J
+    double overfill_at_start = 0.;
+    /** Steps on end beyond the bounds: of both, of each alone. */
+    unsigned int n_both = 0, n_hidden = 0, n_overfilled = 0;
+  };
+
+  /** What has been written of a run. */
+  struct FramesState
+  {
+    unsigned int n_intervals = 0, n_frames = 0, n_pictures = 0;
+    double       last_frame = -1., last_picture = -1.; ///< s
+  };
+
+  /** What has been said on the screen, and is not said again. */
+  struct Told
+  {
+    bool limited_travel = false, struggled = false, held_places = false,
+         detected                  = false;
+    std::uint64_t most_cut_domains = 0;
+  };
+
+  /**
+   * All that one step hands to the next: from this and the parameters a run can
+   * go on. Steppers, effects, ledger and frames keep nothing else but what can
+   * be made again. Owned by the scene.
+   */
+  template <int dim>
+  struct RunState
+  {
+    dealii::Particles::ParticleHandler<dim> particles;
+    unsigned int                            step = 0; ///< the last accepted one
+    double                                  time = 0.; ///< s
+    double kinetic_energy = 0.; ///< of the particles, in the ledger's last row
+    /** How far walls have moved, m. */
+    typename BoundaryConditions<dim>::Sides wall_travel{};
+    DetectorState                           detector;
+    LedgerSums                              ledger;
+    FramesState                             frames;
+    Told                                    told;
+  };
+} // namespace emmy
+
+#endif
