@@ -1,0 +1,40 @@
+#!/bin/sh
+# An effect is all in one place: outside its own files its name occurs in the
+# library of effects, the scene's defaults and messages only. Counts the files
+# and names those that are too many.
+#
+# Usage: effect_names.sh SOURCE_ROOT
+set -eu
+
+[ $# -eq 1 ] || { echo "usage: effect_names.sh SOURCE_ROOT" >&2; exit 2; }
+cd "$1"
+[ -d source/effects ] || { echo "no source/effects in $PWD" >&2; exit 2; }
+
+failed=0
+
+# count NAME PATTERN OWN_FILES ALLOWED: at most so many other files
+count()
+{
+  own=$(find include source -type f -path '*/effects/*' | grep -E "/($3)\.(h|cc)$") ||
+    { echo "$1: no file is its own: $3" >&2; exit 2; }
+  others=$(grep -rliE "$2" include source | grep -vxF "$own" || true)
+  n=$(printf '%s' "$others" | grep -c . || true)
+  printf '%-24s %2d of at most %d other files\n' "$1" "$n" "$4"
+  if [ "$n" -gt "$4" ]; then
+    printf '%s\n' "$others" | sed 's/^/  /'
+    echo "  Give Effect (effects/effect.h) a hook instead of asking for $1."
+    failed=1
+  fi
+}
+
+# ghosts of MPI, entries that another rank owns, are none of ours
+count 'ghost stabilisation' 'ghost.?(stab|face|mass|effect|stiff|penal)' \
+  'ghost_stabilisation|ghost_faces' 4
+# the choice, its threshold and its price; words of two remedies
+count 'starved nodes' 'starved|aggregat' \
+  'starved_nodes|aggregation|roots' 8
+count 'gravity' 'gravity' 'gravity|field_load|effect' 1
+count 'point load' 'point.?load' 'point_load|field_load' 2
+count 'manufactured solution' 'manufactured' \
+  'manufactured_solution|exact_motion' 1
+exit $failed
