@@ -28,30 +28,66 @@ namespace emmy
           for (unsigned int a = 0; a < n; ++a)
             mass(a, a) += epsilon * damping[a];
         }
-      // the second part is for nodes with S = 0 at all points; it must be far
-      // below any S^2 that is not zero
       for (double &d : damping)
-        d = mass_damping * d + 1e-30 * total;
-    }
-
-    template <int dim>
-    void
-    hand_out_ghost_mass(const GridStart<dim>                   &start,
-                        const std::function<void(MassBlock &)> &receive)
-    {
-      constexpr unsigned int     n = GhostFace<dim>::n_nodes;
-      dealii::FullMatrix<double> mass(n, n);
-      const std::vector<double>  no_damping(n);
-      for (unsigned int f = 0; f < start.ghost_faces.size(); ++f)
-        {
-          const GhostFace<dim> &face = start.ghost_faces[f];
-          mass                       = 0.;
-          mass.add(face.mass, start.ghost_matrices[face.direction]);
-          MassBlock block{start.active->face_nodes(f), mass, no_damping, true};
-          receive(block);
-        }
+        d = damping_of(d, total);
     }
   } // namespace
+
+  template <int dim>
+  void
+  for_each_ghost_mass_block(const GridStart<dim>                   &start,
+                            const std::function<void(MassBlock &)> &receive)
+  {
+    constexpr unsigned int     n = GhostFace<dim>::n_nodes;
+    dealii::FullMatrix<double> mass(n, n);
+    const std::vector<double>  no_damping(n);
+    for (unsigned int f = 0; f < start.ghost_faces.size(); ++f)
+      {
+        const GhostFace<dim> &face = start.ghost_faces[f];
+        mass                       = 0.;
+        mass.add(face.mass, start.ghost_matrices[face.direction]);
+        MassBlock block{start.active->face_nodes(f), mass, no_damping, true};
+        receive(block);
+      }
+  }
+
+  template <int dim>
+  void
+  add_mass_times(const std::vector<double> &u,
+                 const Stencils<dim>       &stencils,
+                 const double              *masses,
+                 const GridStart<dim>      &start,
+                 std::vector<double>       &result)
+  {
+    // m S_A of a point meets (1 - epsilon) S u + epsilon u_A
+    for (const auto &group : stencils.groups)
+      {
+        const unsigned int *nodes = start.active->nodes(group);
+        for (unsigned int p = 0; p < group.n_points; ++p)
+          {
+            const double           m = masses[group.first_point + p];
+            dealii::Tensor<1, dim> Su;
+            for (unsigned int a = 0; a < group.n_nodes; ++a)
+              for (unsigned int c = 0; c < dim; ++c)
+                Su[c] += stencils.value(group, a)[p] * u[dim * nodes[a] + c];
+            Su *= 1. - start.lumping;
+            for (unsigned int a = 0; a < group.n_nodes; ++a)
+              for (unsigned int c = 0; c < dim; ++c)
+                {
+                  const unsigned int i = dim * nodes[a] + c;
+                  result[i] += m * stencils.value(group, a)[p] *
+                               (Su[c] + start.lumping * u[i]);
+                }
+          }
+      }
+    for_each_ghost_mass_block<dim>(start, [&](const MassBlock &block) {
+      for (unsigned int a = 0; a < block.mass.m(); ++a)
+        for (unsigned int b = 0; b < block.mass.m(); ++b)
+          for (unsigned int c = 0; c < dim; ++c)
+            result[dim * block.nodes[a] + c] +=
+              block.mass(a, b) * u[dim * block.nodes[b] + c];
+    });
+  }
 
   template <int dim>
   void
@@ -83,19 +119,24 @@ namespace emmy
         MassBlock block{start.active->nodes(group), mass, damping};
         receive(block);
       }
-    hand_out_ghost_mass(start, receive);
+    for_each_ghost_mass_block(start, receive);
   }
 
-  template void
-  for_each_mass_block<2>(const Stencils<2> &,
-                         const double *,
-                         const GridStart<2> &,
-                         Phases *,
-                         const std::function<void(MassBlock &)> &);
-  template void
-  for_each_mass_block<3>(const Stencils<3> &,
-                         const double *,
-                         const GridStart<3> &,
-                         Phases *,
-                         const std::function<void(MassBlock &)> &);
+#define INSTANTIATE(dim)                                               \
+  template void for_each_mass_block<dim>(                              \
+    const Stencils<dim> &,                                             \
+    const double *,                                                    \
+    const GridStart<dim> &,                                            \
+    Phases *,                                                          \
+    const std::function<void(MassBlock &)> &);                         \
+  template void for_each_ghost_mass_block<dim>(                        \
+    const GridStart<dim> &, const std::function<void(MassBlock &)> &); \
+  template void add_mass_times<dim>(const std::vector<double> &,       \
+                                    const Stencils<dim> &,             \
+                                    const double *,                    \
+                                    const GridStart<dim> &,            \
+                                    std::vector<double> &);
+  INSTANTIATE(2)
+  INSTANTIATE(3)
+#undef INSTANTIATE
 } // namespace emmy

@@ -23,6 +23,30 @@ namespace emmy
   };
 
   /**
+   * What linear solvers add on the diagonal of a node, kg, from its lumped
+   * mass in a group of points or of one point, and the mass of these points.
+   * The second part is for nodes with S = 0 at all points; it must be far below
+   * any S^2 that is not zero.
+   */
+  inline double
+  damping_of(const double lumped, const double total)
+  {
+    return mass_damping * lumped + 1e-30 * total;
+  }
+
+  /**
+   * Add M~ u to an array over the local nodes, [dim * node + c], without
+   * summing M~. @p start and @p masses as below.
+   */
+  template <int dim>
+  void
+  add_mass_times(const std::vector<double> &u,
+                 const Stencils<dim>       &stencils,
+                 const double              *masses,
+                 const GridStart<dim>      &start,
+                 std::vector<double>       &result);
+
+  /**
    * Hand out the effective mass M~ group by group and, with ghost
    * stabilisation, face by face: their sum over the nodes is M~ (Pretti et al.
    * 2023, eqs 15, 18). Cost: a product of two shape functions for each
@@ -39,6 +63,12 @@ namespace emmy
                       const GridStart<dim>                   &start,
                       Phases                                 *phases,
                       const std::function<void(MassBlock &)> &receive);
+
+  /** The part of it that comes from ghost faces. */
+  template <int dim>
+  void
+  for_each_ghost_mass_block(const GridStart<dim>                   &start,
+                            const std::function<void(MassBlock &)> &receive);
 } // namespace emmy
 
 #endif
