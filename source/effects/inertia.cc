@@ -72,32 +72,25 @@ namespace emmy
   {
     const ActiveGrid<dim>     &active = *step.start.active;
     const std::vector<double> &u      = iterate.local_displacement;
-    const double               rate   = 2. / step.time_step,
-                 factor               = inertia_factor(step.time_step);
+    const double               rate   = 2. / step.time_step;
     // 2/dt (M~ u/dt - p): v_t, with M~ v_t = p, is wanted after Newton only
+    const double       *masses = step.points.component(mass);
     std::vector<double> mass_times_u(dim * active.n_local_nodes());
-    for_each_mass_block<dim>(
-      step.stencils,
-      step.points.component(mass),
-      step.start,
-      /*phases=*/nullptr, // what it takes is booked to inertia
-      [&](MassBlock &block) {
-        const unsigned int n = block.mass.m();
-        for (unsigned int a = 0; a < n; ++a)
-          for (unsigned int b = 0; b < n; ++b)
-            for (unsigned int c = 0; c < dim; ++c)
-              mass_times_u[dim * block.nodes[a] + c] +=
-                block.mass(a, b) * u[dim * block.nodes[b] + c];
-        if (!jacobian)
-          return;
-        for (unsigned int a = 0; a < n; ++a)
-          block.mass(a, a) += block.damping[a];
-        block.mass *= factor;
-        active.graph().add_components(block.nodes,
-                                      block.mass,
-                                      NodeGraph<dim>::Conditions::worked_in,
-                                      *jacobian);
-      });
+    add_mass_times(u, step.stencils, masses, step.start, mass_times_u);
+    const auto add_block = [&](MassBlock &block) {
+      for (unsigned int a = 0; a < block.mass.m(); ++a)
+        block.mass(a, a) += block.damping[a];
+      block.mass *= inertia_factor(step.time_step);
+      active.graph().add_components(block.nodes,
+                                    block.mass,
+                                    NodeGraph<dim>::Conditions::worked_in,
+                                    *jacobian);
+    };
+    if (jacobian && step.moving) // it does the points
+      step.start.hand_out_added_mass(add_block);
+    else if (jacobian)
+      for_each_mass_block<dim>(
+        step.stencils, masses, step.start, /*phases=*/nullptr, add_block);
     Vector momentum = active.make_vector();
     active.add(mass_times_u, momentum);
     momentum.sadd(0.5 * rate, -1., step.start.momentum);

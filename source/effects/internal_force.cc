@@ -128,18 +128,18 @@ namespace emmy
                    nodes,
                    work.batch,
                    work.nodal_force);
-        if (jacobian)
+        if (jacobian && step.moving)
+          step.moving->add({step,
+                            group,
+                            first,
+                            iterate.local_displacement,
+                            work.batch,
+                            work.middle,
+                            volumes},
+                           work.stiffness);
+        else if (jacobian)
           add_stiffness(
             step.stencils, group, first, volumes, work.batch, work.stiffness);
-        if (jacobian && step.moving)
-          step.moving->add(step,
-                           iterate.local_displacement,
-                           group,
-                           first,
-                           work.batch,
-                           &work.middle.from_start(0),
-                           volumes,
-                           work.stiffness);
       }
 
     if (jacobian)

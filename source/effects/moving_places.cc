@@ -1,4 +1,6 @@
+#include <emmy/effects/inertia.h>
 #include <emmy/effects/moving_places.h>
+#include <emmy/transfer/mass_blocks.h>
 
 #include <algorithm>
 
@@ -98,197 +100,231 @@ namespace emmy
 
   template <int dim>
   void
-  MovingPlaces<dim>::add(const StepData<dim>        &step,
-                         const std::vector<double>  &local_displacement,
-                         const Group                &group,
-                         const unsigned int          first,
-                         const StressBatch<dim>     &batch,
-                         const Tensor<2, dim>       *from_start,
-                         const double               *volumes,
-                         dealii::FullMatrix<double> &stiffness)
+  MovingPlaces<dim>::add(const Points               &points,
+                         dealii::FullMatrix<double> &matrix)
   {
-    for (unsigned int i = 0; i < batch.n_points; ++i)
-      add_point(step,
-                local_displacement,
-                group,
-                first + i,
-                batch,
-                i,
-                from_start[i],
-                volumes[i],
-                stiffness);
+    const unsigned int  n     = points.group.n_nodes;
+    const unsigned int *nodes = points.step.start.active->nodes(points.group);
+    for (unsigned int c = 0; c < dim; ++c)
+      for (unsigned int a = 0; a < n; ++a)
+        work.u[c][a] = points.local_displacement[dim * nodes[a] + c];
+    work.matrix.reinit(dim * n, dim * n);
+    for (unsigned int i = 0; i < points.batch.n_points; ++i)
+      add_point(points, i);
+    for (unsigned int row = 0; row < dim * n; ++row)
+      for (unsigned int b = 0; b < n; ++b)
+        for (unsigned int j = 0; j < dim; ++j)
+          matrix(row, dim * b + j) += work.matrix(row, n * j + b);
   }
 
   template <int dim>
   void
-  MovingPlaces<dim>::add_point(const StepData<dim>        &step,
-                               const std::vector<double>  &u,
-                               const Group                &group,
-                               const unsigned int          q,
-                               const StressBatch<dim>     &batch,
-                               const unsigned int          in_batch,
-                               const Tensor<2, dim>       &Z,
-                               const double                volume,
-                               dealii::FullMatrix<double> &stiffness)
+  MovingPlaces<dim>::add_point(const Points      &points,
+                               const unsigned int in_batch)
   {
-    const Stencils<dim> &stencils = step.stencils;
+    const Stencils<dim> &stencils = points.step.stencils;
+    const Group         &group    = points.group;
+    const unsigned int   q        = points.first + in_batch;
     const std::size_t    p        = group.first_point + q;
-    const unsigned int  *nodes    = step.start.active->nodes(group);
-    const unsigned int   n        = group.n_nodes;
+    for (unsigned int a = 0; a < group.n_nodes; ++a)
+      {
+        work.weights[0][a] = stencils.value(group, a)[q];
+        for (unsigned int d = 0; d < dim; ++d)
+          work.weights[1 + d][a] = stencils.gradient(group, a, d)[q];
+      }
     rules.shape_functions.differentiate(
       places, stencils.order[p], group, rules.grid, work.derivatives);
-    const auto &S_by_q = work.derivatives.values;
-    const auto &g_by_q = work.derivatives.gradients;
+    const Motion here = motion(group.n_nodes);
+    responses[p]      = response(points, in_batch, here);
+    find_force_by_q(points, in_batch, here, responses[p].shift);
+    add_to_matrix(points, in_batch, responses[p]);
+  }
 
-    Vector                         Su;
-    std::array<Vector, nq>         Su_by_q;
-    std::array<Tensor<2, dim>, nq> L_by_q;
-    for (unsigned int a = 0; a < n; ++a)
+  template <int dim>
+  typename MovingPlaces<dim>::Motion
+  MovingPlaces<dim>::motion(const unsigned int n_nodes) const
+  {
+    Motion result;
+    for (unsigned int a = 0; a < n_nodes; ++a)
+      for (unsigned int c = 0; c < dim; ++c)
+        {
+          const double u = work.u[c][a];
+          result.Su[c] += work.weights[0][a] * u;
+          for (unsigned int k = 0; k < nq; ++k)
+            {
+              result.Su_by_q[k][c] += work.derivatives.value(k)[a] * u;
+              for (unsigned int d = 0; d < dim; ++d)
+                result.L_by_q[k][c][d] +=
+                  work.derivatives.gradient(k, d)[a] * u;
+            }
+        }
+    return result;
+  }
+
+  template <int dim>
+  typename MovingPlaces<dim>::Response
+  MovingPlaces<dim>::response(const Points      &points,
+                              const unsigned int in_batch,
+                              const Motion      &motion)
+  {
+    const StepData<dim> &step = points.step;
+    const std::size_t    p = points.group.first_point + points.first + in_batch;
+    const std::size_t    i = step.stencils.order[p];
+    const bool has_box = rules.domain_update && !places.half_lengths.empty();
+    MiddleBox<dim> box;
+    if (has_box)
+      box = rules.domain_update->middle(step.points,
+                                        p,
+                                        points.group.body,
+                                        points.middle.from_start(in_batch));
+    Tensor<1, nq> from_place; // Q - q
+    Tensor<2, nq> matrix;     // I - Q_q
+    for (unsigned int d = 0; d < dim; ++d)
       {
-        Vector u_a;
-        for (unsigned int c = 0; c < dim; ++c)
-          u_a[c] = u[dim * nodes[a] + c];
-        Su += stencils.value(group, a)[q] * u_a;
+        from_place[d] = step.points.position(d)[p] + 0.5 * motion.Su[d] -
+                        places.positions[i][d];
+        defect =
+          std::max(defect, std::abs(from_place[d]) / rules.grid.cell_size()[d]);
+        if (has_box)
+          from_place[dim + d] = box.half_length[d] - places.half_lengths[i][d];
         for (unsigned int k = 0; k < nq; ++k)
           {
-            Su_by_q[k] += S_by_q[a * nq + k] * u_a;
-            L_by_q[k] += outer_product(u_a, g_by_q[a * nq + k]);
+            matrix[d][k] = (d == k ? 1. : 0.) - 0.5 * motion.Su_by_q[k][d];
+            matrix[dim + d][k] = (dim + d == k ? 1. : 0.) -
+                                 scalar_product(box.by_L[d], motion.L_by_q[k]);
           }
       }
+    const Tensor<2, nq> inverse = inverse_of(matrix);
+    Response            result;
+    result.shift = inverse * from_place;
+    for (unsigned int k = 0; k < nq; ++k)
+      for (unsigned int j = 0; j < dim; ++j)
+        {
+          result.by_motion[k][j][0] = 0.5 * inverse[k][j];
+          for (unsigned int e = 0; e < dim; ++e)
+            for (unsigned int d = 0; d < dim; ++d)
+              result.by_motion[k][j][1 + d] +=
+                inverse[k][dim + e] * box.by_L[e][j][d];
+        }
+    return result;
+  }
 
+  template <int dim>
+  void
+  MovingPlaces<dim>::find_force_by_q(const Points        &points,
+                                     const unsigned int   in_batch,
+                                     const Motion        &motion,
+                                     const Tensor<1, nq> &shift)
+  {
     // the force of a point at a node is S_A w + T grad S_A, with
     // w = m 2/dt (Su/dt - v) - b; lumped mass sees u_A in place of Su
-    const double                   rate    = 2. / step.time_step;
-    const double                   m       = step.points.component(mass)[p];
-    const double                   inertia = 0.5 * rate * rate * m;
-    const double                   lumped  = rules.mapping.lumping * inertia;
-    Vector                         w       = inertia * Su;
-    const auto                    &T       = batch.nominal_stress[in_batch];
-    std::array<Tensor<2, dim>, nq> T_by_q;
+    const StepData<dim> &step = points.step;
+    const std::size_t    p = points.group.first_point + points.first + in_batch;
+    const unsigned int   n = points.group.n_nodes;
+    const double         rate    = 2. / step.time_step;
+    const double         m       = step.points.component(mass)[p];
+    const double         inertia = 0.5 * rate * rate * m;
+    const double         lumped  = rules.mapping.lumping * inertia;
+    const double         volume  = points.volumes[in_batch];
+    const auto           T = volume * points.batch.nominal_stress[in_batch];
+    const auto          &tangent = points.batch.tangent[in_batch];
+    Vector               w       = (inertia - lumped) * motion.Su;
     for (unsigned int c = 0; c < dim; ++c)
       {
         w[c] -= rate * m * step.points.component(velocity + c)[p];
         if (!point_forces.empty())
           w[c] -= point_forces[dim * p + c];
       }
-    const auto &tangent = batch.tangent[in_batch];
     for (unsigned int k = 0; k < nq; ++k)
-      for (unsigned int iJ = 0; iJ < dim * dim; ++iJ)
+      for (unsigned int i = 0; i < dim; ++i)
         {
-          double sum = 0.;
-          for (unsigned int mL = 0; mL < dim * dim; ++mL)
-            sum += tangent[iJ][mL] * L_by_q[k][mL / dim][mL % dim];
-          T_by_q[k][iJ / dim][iJ % dim] = volume * sum;
-        }
-
-    respond(step, group, p, Su, Su_by_q, L_by_q, Z);
-    const Response     &response = responses[p];
-    const Tensor<1, nq> shift    = response.inverse * response.defect;
-    work.force_by_q.resize(n * nq);
-    for (unsigned int a = 0; a < n; ++a)
-      {
-        const double S = stencils.value(group, a)[q];
-        Vector       g, w_a = w;
-        for (unsigned int c = 0; c < dim; ++c)
-          {
-            g[c] = stencils.gradient(group, a, c)[q];
-            w_a[c] += lumped * (u[dim * nodes[a] + c] - Su[c]);
-          }
-        for (unsigned int k = 0; k < nq; ++k)
-          {
-            Vector &r = work.force_by_q[a * nq + k];
-            r         = S_by_q[a * nq + k] * w_a +
-                (S * (inertia - lumped)) * Su_by_q[k] +
-                volume * (T * g_by_q[a * nq + k]) + T_by_q[k] * g;
+          const double inertia_by_q = (inertia - lumped) * motion.Su_by_q[k][i];
+          Vector       T_by_q;
+          for (unsigned int J = 0; J < dim; ++J)
             for (unsigned int c = 0; c < dim; ++c)
-              share[dim * nodes[a] + c] += r[c] * shift[k];
-          }
-      }
-    add_to_matrix(stencils, group, q, response, stiffness);
-  }
-
-  template <int dim>
-  void
-  MovingPlaces<dim>::respond(const StepData<dim>                  &step,
-                             const Group                          &group,
-                             const std::size_t                     p,
-                             const Vector                         &Su,
-                             const std::array<Vector, nq>         &Su_by_q,
-                             const std::array<Tensor<2, dim>, nq> &L_by_q,
-                             const Tensor<2, dim>                 &Z)
-  {
-    const std::size_t i        = step.stencils.order[p];
-    Response         &response = responses[p];
-    response                   = Response();
-    const bool has_box = rules.domain_update && !places.half_lengths.empty();
-    if (has_box)
-      response.box = rules.domain_update->middle(step.points, p, group.body, Z);
-    Tensor<2, nq> matrix;
-    for (unsigned int d = 0; d < dim; ++d)
-      {
-        response.defect[d] =
-          step.points.position(d)[p] + 0.5 * Su[d] - places.positions[i][d];
-        defect =
-          std::max(defect,
-                   std::abs(response.defect[d]) / rules.grid.cell_size()[d]);
-        if (has_box)
-          response.defect[dim + d] =
-            response.box.half_length[d] - places.half_lengths[i][d];
-        for (unsigned int k = 0; k < nq; ++k)
-          {
-            matrix[d][k] = (d == k ? 1. : 0.) - 0.5 * Su_by_q[k][d];
-            matrix[dim + d][k] =
-              (dim + d == k ? 1. : 0.) -
-              scalar_product(response.box.by_L[d], L_by_q[k]);
-          }
-      }
-    response.inverse = inverse_of(matrix);
-  }
-
-  template <int dim>
-  void
-  MovingPlaces<dim>::add_to_matrix(const Stencils<dim>        &stencils,
-                                   const Group                &group,
-                                   const unsigned int          q,
-                                   const Response             &response,
-                                   dealii::FullMatrix<double> &stiffness)
-  {
-    // dq = (I - Q_q)^-1 Q_u du, with dx/du_b = S_b/2 I and
-    // dl_d/du_b = by_L_d grad S_b
-    const unsigned int n = group.n_nodes, n_columns = dim * n;
-    work.q_by_u.resize(nq * n_columns);
-    for (unsigned int b = 0; b < n; ++b)
-      {
-        const double half_S = 0.5 * stencils.value(group, b)[q];
-        Vector       g;
-        for (unsigned int c = 0; c < dim; ++c)
-          g[c] = stencils.gradient(group, b, c)[q];
-        std::array<Vector, dim> box_by_u;
-        for (unsigned int d = 0; d < dim; ++d)
-          box_by_u[d] = response.box.by_L[d] * g;
-        for (unsigned int k = 0; k < nq; ++k)
-          for (unsigned int j = 0; j < dim; ++j)
-            {
-              double sum = response.inverse[k][j] * half_S;
               for (unsigned int d = 0; d < dim; ++d)
-                sum += response.inverse[k][dim + d] * box_by_u[d][j];
-              work.q_by_u[k * n_columns + dim * b + j] = sum;
+                T_by_q[J] += volume * tangent[i * dim + J][c * dim + d] *
+                             motion.L_by_q[k][c][d];
+          std::array<const double *, dim> g_by_q;
+          for (unsigned int J = 0; J < dim; ++J)
+            g_by_q[J] = work.derivatives.gradient(k, J);
+          const double *S_by_q = work.derivatives.value(k);
+          for (unsigned int a = 0; a < n; ++a)
+            {
+              double sum = S_by_q[a] * (w[i] + lumped * work.u[i][a]) +
+                           work.weights[0][a] * inertia_by_q;
+              for (unsigned int J = 0; J < dim; ++J)
+                sum +=
+                  T[i][J] * g_by_q[J][a] + T_by_q[J] * work.weights[1 + J][a];
+              work.force_by_q[k][i][a] = sum;
             }
-      }
+        }
+    const unsigned int *nodes = step.start.active->nodes(points.group);
     for (unsigned int a = 0; a < n; ++a)
       for (unsigned int i = 0; i < dim; ++i)
         {
-          std::array<double, nq> force_by_q;
+          double sum = 0.;
           for (unsigned int k = 0; k < nq; ++k)
-            force_by_q[k] = work.force_by_q[a * nq + k][i];
-          double       *row    = &stiffness(dim * a + i, 0);
-          const double *q_by_u = work.q_by_u.data();
-          for (unsigned int c = 0; c < n_columns; ++c)
+            sum += work.force_by_q[k][i][a] * shift[k];
+          share[dim * nodes[a] + i] += sum;
+        }
+  }
+
+  template <int dim>
+  void
+  MovingPlaces<dim>::add_to_matrix(const Points      &points,
+                                   const unsigned int in_batch,
+                                   const Response    &response)
+  {
+    const StepData<dim> &step = points.step;
+    const std::size_t    p = points.group.first_point + points.first + in_batch;
+    const unsigned int   n = points.group.n_nodes;
+    const double         inertia =
+      inertia_factor(step.time_step) * step.points.component(mass)[p];
+    const double lumped  = rules.mapping.lumping * inertia;
+    const double volume  = points.volumes[in_batch];
+    const auto  &tangent = points.batch.tangent[in_batch];
+    // a copy, so that the compiler sees that the matrix is elsewhere
+    const std::array<Row, dim + 1> weights = work.weights;
+    for (unsigned int i = 0; i < dim; ++i)
+      for (unsigned int j = 0; j < dim; ++j)
+        {
+          // the force at the nodes by (Su)_j and L_jd: where places stay a sum
+          // of the weights, and of r,k as they follow
+          std::array<Row, dim + 1> by_motion;
+          for (unsigned int l = 0; l <= dim; ++l)
             {
-              double sum = 0.;
-              for (unsigned int k = 0; k < nq; ++k)
-                sum += force_by_q[k] * q_by_u[k * n_columns + c];
-              row[c] += sum;
+              for (unsigned int a = 0; a < n; ++a)
+                {
+                  double sum = 0.;
+                  if (l > 0)
+                    for (unsigned int J = 0; J < dim; ++J)
+                      sum += volume * tangent[i * dim + J][j * dim + l - 1] *
+                             weights[1 + J][a];
+                  else if (i == j)
+                    sum = (inertia - lumped) * weights[0][a];
+                  for (unsigned int k = 0; k < nq; ++k)
+                    sum +=
+                      response.by_motion[k][j][l] * work.force_by_q[k][i][a];
+                  by_motion[l][a] = sum;
+                }
+            }
+          for (unsigned int a = 0; a < n; ++a)
+            {
+              std::array<double, dim + 1> of_node;
+              for (unsigned int l = 0; l <= dim; ++l)
+                of_node[l] = by_motion[l][a];
+              double *row = &work.matrix(dim * a + i, n * j);
+              for (unsigned int b = 0; b < n; ++b)
+                {
+                  double sum = 0.;
+                  for (unsigned int l = 0; l <= dim; ++l)
+                    sum += of_node[l] * weights[l][b];
+                  row[b] += sum;
+                }
+              if (i == j)
+                row[a] += lumped * weights[0][a] +
+                          damping_of(inertia * weights[0][a], inertia);
             }
         }
   }
@@ -302,19 +338,24 @@ namespace emmy
     for (const Group &group : step.stencils.groups)
       for (unsigned int q = 0; q < group.n_points; ++q)
         {
-          const unsigned int *nodes    = step.start.active->nodes(group);
-          const std::size_t   p        = group.first_point + q;
-          const Response     &response = responses[p];
-          Tensor<1, nq>       change   = response.defect;
+          const unsigned int *nodes  = step.start.active->nodes(group);
+          const std::size_t   p      = group.first_point + q;
+          Tensor<1, nq>       change = responses[p].shift;
+          Vector              Su;
           for (unsigned int a = 0; a < group.n_nodes; ++a)
             for (unsigned int d = 0; d < dim; ++d)
-              change[d] += 0.5 * step.stencils.value(group, a)[q] *
-                           increment[dim * nodes[a] + d];
-          const auto dL =
+              Su[d] += step.stencils.value(group, a)[q] *
+                       increment[dim * nodes[a] + d];
+          const auto L =
             step.stencils.displacement_gradient(group, q, nodes, increment);
-          for (unsigned int d = 0; d < dim; ++d)
-            change[dim + d] += scalar_product(response.box.by_L[d], dL);
-          change = response.inverse * change;
+          for (unsigned int k = 0; k < nq; ++k)
+            for (unsigned int j = 0; j < dim; ++j)
+              {
+                const auto &by_motion = responses[p].by_motion[k][j];
+                change[k] += by_motion[0] * Su[j];
+                for (unsigned int d = 0; d < dim; ++d)
+                  change[k] += by_motion[1 + d] * L[j][d];
+              }
 
           const std::size_t  i = step.stencils.order[p];
           dealii::Point<dim> x = places.positions[i];

@@ -130,32 +130,31 @@ namespace emmy
   Tails<dim>::take_away(const Factors<dim>    &factors,
                         PlaceDerivatives<dim> &derivatives) const
   {
-    constexpr unsigned int n = PlaceDerivatives<dim>::n;
-    PlaceDerivatives<dim>  part;
+    PlaceDerivatives<dim> part;
+    const auto            subtract = [](const std::vector<double> &from_here,
+                             std::vector<double>       &left) {
+      for (unsigned int i = 0; i < left.size(); ++i)
+        left[i] -= from_here[i];
+    };
     for (const Factors<dim> &product : products(factors))
       {
         part.combine(product, n_along);
-        for (unsigned int i = 0; i < part.values.size(); ++i)
-          {
-            derivatives.values[i] -= part.values[i];
-            derivatives.gradients[i] -= part.gradients[i];
-          }
+        subtract(part.values, derivatives.values);
+        subtract(part.gradients, derivatives.gradients);
       }
-    const std::uint64_t out = left_out();
-    unsigned int        a   = 0;
-    for (unsigned int in_box = 0; in_box * n < part.values.size(); ++in_box)
-      if (!(out >> in_box & 1))
-        {
-          std::copy_n(&derivatives.values[in_box * n],
-                      n,
-                      &derivatives.values[a * n]);
-          std::copy_n(&derivatives.gradients[in_box * n],
-                      n,
-                      &derivatives.gradients[a * n]);
-          ++a;
-        }
-    derivatives.values.resize(a * n);
-    derivatives.gradients.resize(a * n);
+    // rows over the nodes of the box become rows over those that are reached
+    const std::uint64_t out      = left_out();
+    const unsigned int  n_in_box = derivatives.n_nodes;
+    const auto          shorten  = [&](std::vector<double> &rows) {
+      std::size_t end = 0;
+      for (std::size_t i = 0; i < rows.size(); ++i)
+        if (!(out >> i % n_in_box & 1))
+          rows[end++] = rows[i];
+      rows.resize(end);
+    };
+    shorten(derivatives.values);
+    shorten(derivatives.gradients);
+    derivatives.n_nodes = derivatives.values.size() / derivatives.n;
   }
 
   template class Tails<2>;

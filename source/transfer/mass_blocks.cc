@@ -28,12 +28,48 @@ namespace emmy
           for (unsigned int a = 0; a < n; ++a)
             mass(a, a) += epsilon * damping[a];
         }
-      // the second part is for nodes with S = 0 at all points; it must be far
-      // below any S^2 that is not zero
       for (double &d : damping)
-        d = mass_damping * d + 1e-30 * total;
+        d = damping_of(d, total);
     }
   } // namespace
+
+  template <int dim>
+  void
+  add_mass_times(const std::vector<double> &u,
+                 const Stencils<dim>       &stencils,
+                 const double              *masses,
+                 const GridStart<dim>      &start,
+                 std::vector<double>       &result)
+  {
+    // m S_A of a point meets (1 - epsilon) S u + epsilon u_A
+    for (const auto &group : stencils.groups)
+      {
+        const unsigned int *nodes = start.active->nodes(group);
+        for (unsigned int p = 0; p < group.n_points; ++p)
+          {
+            const double           m = masses[group.first_point + p];
+            dealii::Tensor<1, dim> Su;
+            for (unsigned int a = 0; a < group.n_nodes; ++a)
+              for (unsigned int c = 0; c < dim; ++c)
+                Su[c] += stencils.value(group, a)[p] * u[dim * nodes[a] + c];
+            Su *= 1. - start.lumping;
+            for (unsigned int a = 0; a < group.n_nodes; ++a)
+              for (unsigned int c = 0; c < dim; ++c)
+                {
+                  const unsigned int i = dim * nodes[a] + c;
+                  result[i] += m * stencils.value(group, a)[p] *
+                               (Su[c] + start.lumping * u[i]);
+                }
+          }
+      }
+    start.hand_out_added_mass([&](const MassBlock &block) {
+      for (unsigned int a = 0; a < block.mass.m(); ++a)
+        for (unsigned int b = 0; b < block.mass.m(); ++b)
+          for (unsigned int c = 0; c < dim; ++c)
+            result[dim * block.nodes[a] + c] +=
+              block.mass(a, b) * u[dim * block.nodes[b] + c];
+    });
+  }
 
   template <int dim>
   void
@@ -65,10 +101,21 @@ namespace emmy
         MassBlock block{start.active->nodes(group), mass, damping};
         receive(block);
       }
-    if (start.hand_out_mass)
-      start.hand_out_mass(*start.active, receive);
+    start.hand_out_added_mass(receive);
   }
 
+  template void
+  add_mass_times<2>(const std::vector<double> &,
+                    const Stencils<2> &,
+                    const double *,
+                    const GridStart<2> &,
+                    std::vector<double> &);
+  template void
+  add_mass_times<3>(const std::vector<double> &,
+                    const Stencils<3> &,
+                    const double *,
+                    const GridStart<3> &,
+                    std::vector<double> &);
   template void
   for_each_mass_block<2>(const Stencils<2> &,
                          const double *,

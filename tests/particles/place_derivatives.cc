@@ -69,9 +69,8 @@ namespace
               const unsigned int i = a * (dim + 1) + d;
               const double       difference =
                 (around[1][i] - around[0][i]) / (2. * step);
-              const unsigned int at = a * PlaceDerivatives<dim>::n + k;
-              test::check_close(d == 0 ? derivatives.values[at]
-                                       : derivatives.gradients[at][d - 1],
+              test::check_close(d == 0 ? derivatives.value(k)[a]
+                                       : derivatives.gradient(k, d - 1)[a],
                                 difference,
                                 2e-7,
                                 what + ", with place " + std::to_string(k));

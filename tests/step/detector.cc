@@ -27,8 +27,10 @@ namespace
       const std::vector<std::pair<unsigned int, Steps>> &parts,
       const double                                       overfill_at_start = 0.)
   {
-    Detector   detector(in_use);
-    StepReport initial;
+    DetectorState state;
+    Told          told;
+    Detector      detector(in_use, state, told);
+    StepReport    initial;
     detector.begin(overfill_at_start, initial);
     check(initial.measures.size() == 3, "row 0 has the three columns");
     std::vector<std::string> notes;

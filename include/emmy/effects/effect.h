@@ -30,8 +30,8 @@ namespace emmy
     /** Where the time of effects is booked; null: nowhere. */
     Phases *phases = nullptr;
     /**
-     * Takes what the force does as the particles' places follow, with the
-     * derivative; null where they stay.
+     * Where the particles' places follow the nodes, this makes the derivative
+     * of their inertia and stress; null where they stay.
      */
     MovingPlaces<dim> *moving = nullptr;
   };

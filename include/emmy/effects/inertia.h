@@ -37,7 +37,8 @@ namespace emmy
   private:
     /**
      * The same at the places of the middle, which move with the iterates: M~
-     * is not summed for each.
+     * is not summed for each. The derivative of the points' part is left to
+     * StepData::moving.
      */
     void
     add_in_middle(const StepData<dim> &step,

@@ -4,7 +4,7 @@
 #include <deal.II/lac/full_matrix.h>
 
 #include <emmy/effects/effect.h>
-#include <emmy/material/stress_rules.h>
+#include <emmy/material/middle_step.h>
 #include <emmy/transfer/domain_update.h>
 
 namespace emmy
@@ -29,16 +29,31 @@ namespace emmy
    * and Newton eliminates them particle by particle: with
    * @f$ \delta q = (I - Q_q)^{-1} (Q_u \delta u + Q - q) @f$ the matrix of the
    * nodes becomes @f$ J + r_q (I - Q_q)^{-1} Q_u @f$ and the residual
-   * @f$ r + r_q (I - Q_q)^{-1} (Q - q) @f$. Both are of rank 2 dim for each
-   * particle, so the pattern of the matrix stays. Derived in doc/method.md.
+   * @f$ r + r_q (I - Q_q)^{-1} (Q - q) @f$. A particle knows of the nodes only
+   * its own motion, sum S_B u_B and L: so its share of J and of the rest is
+   * one matrix of few columns times S_B and grad S_B, and the pattern of the
+   * matrix stays. Derived in doc/method.md.
    *
    * Made for each iteration; the internal force calls add() for its batches.
-   * Cost in an evaluation: that of the stiffness of the points once or twice.
+   * Cost in an evaluation: about that of the stiffness of the points.
    */
   template <int dim>
   class MovingPlaces
   {
   public:
+    /** Points of a group, and what the internal force found there. */
+    struct Points
+    {
+      const StepData<dim>                 &step;
+      const typename Stencils<dim>::Group &group;
+      const unsigned int                   first; ///< point of the group
+      /** u, [dim * node + c], m */
+      const std::vector<double> &local_displacement;
+      const StressBatch<dim>    &batch; ///< S-hat and dS-hat/dL of the middle
+      const MiddleStep<dim>     &middle;
+      const double              *volumes; ///< reference volumes, m^3
+    };
+
     /** @param places in the order of the particle handler; borrowed */
     MovingPlaces(const PlaceRules<dim> &rules, const Places<dim> &places);
 
@@ -47,23 +62,11 @@ namespace emmy
     begin(const StepData<dim> &step, std::vector<double> point_forces);
 
     /**
-     * Add what the points of a batch do as their places follow.
-     *
-     * @param first      first point of the batch in its group
-     * @param batch      with L, S-hat and dS-hat/dL of the middle
-     * @param from_start Z of point q of the batch
-     * @param volumes    reference volumes of the batch, m^3
-     * @param stiffness  of the group, gets r_q (I - Q_q)^-1 Q_u
+     * Add the derivative of the points' inertia and stress with respect to
+     * the nodes, J + r_q (I - Q_q)^-1 Q_u, to the matrix of their group.
      */
     void
-    add(const StepData<dim>                 &step,
-        const std::vector<double>           &local_displacement,
-        const typename Stencils<dim>::Group &group,
-        const unsigned int                   first,
-        const StressBatch<dim>              &batch,
-        const dealii::Tensor<2, dim>        *from_start,
-        const double                        *volumes,
-        dealii::FullMatrix<double>          &stiffness);
+    add(const Points &points, dealii::FullMatrix<double> &matrix);
 
     /** r_q (I - Q_q)^-1 (Q - q) at the local nodes, [dim * node + c], N. */
     const std::vector<double> &
@@ -90,50 +93,60 @@ namespace emmy
     using Group              = typename Stencils<dim>::Group;
     using Vector             = dealii::Tensor<1, dim>;
     static constexpr auto nq = PlaceDerivatives<dim>::n;
+    /** Numbers by node of a group. */
+    using Row = std::array<double, dealii::Utilities::pow(4, dim)>;
 
-    /** How the place of a point answers to the nodes. */
+    /** How a point moves, and how that changes with its place. */
+    struct Motion
+    {
+      Vector                                 Su;
+      std::array<Vector, nq>                 Su_by_q;
+      std::array<dealii::Tensor<2, dim>, nq> L_by_q;
+    };
+
+    /** How the place of a point answers to its motion. */
     struct Response
     {
-      dealii::Tensor<2, nq> inverse; ///< (I - Q_q)^-1
-      dealii::Tensor<1, nq> defect;  ///< Q - q, m
-      MiddleBox<dim>        box;
+      dealii::Tensor<1, nq> shift; ///< (I - Q_q)^-1 (Q - q), m
+      /** dq_k/d(Su)_j, and behind it dq_k/dL_jd: [k][j]. */
+      std::array<std::array<dealii::Tensor<1, dim + 1>, dim>, nq> by_motion;
     };
 
-    /** Work arrays of one point. */
+    /** Work arrays: of a group u, of a point the others. */
     struct Work
     {
-      PlaceDerivatives<dim> derivatives;
-      std::vector<Vector>   force_by_q; ///< r_A,k: [a * nq + k]
-      std::vector<double>   q_by_u; ///< dq_k/du_bj: [(k * n_nodes + b) dim + j]
+      std::array<Row, dim>                 u;       ///< by component
+      std::array<Row, dim + 1>             weights; ///< S, grad S
+      PlaceDerivatives<dim>                derivatives;
+      std::array<std::array<Row, dim>, nq> force_by_q; ///< r,k by component
+      /** Of the points so far: (dim a + i, n_nodes j + b). */
+      dealii::FullMatrix<double> matrix;
     };
 
     void
-    add_point(const StepData<dim>          &step,
-              const std::vector<double>    &u,
-              const Group                  &group,
-              const unsigned int            q,
-              const StressBatch<dim>       &batch,
-              const unsigned int            in_batch,
-              const dealii::Tensor<2, dim> &Z,
-              const double                  volume,
-              dealii::FullMatrix<double>   &stiffness);
+    add_point(const Points &points, const unsigned int in_batch);
 
-    /** Q - q, and (I - Q_q)^-1 from the changes N,k of Su and L,k of L. */
+    /** From the weights and their derivatives. */
+    Motion
+    motion(const unsigned int n_nodes) const;
+
+    /** Q - q, and (I - Q_q)^-1 times Q_u. */
+    Response
+    response(const Points      &points,
+             const unsigned int in_batch,
+             const Motion      &motion);
+
+    /** r,k, with the share of the residual. */
     void
-    respond(const StepData<dim>                          &step,
-            const Group                                  &group,
-            const std::size_t                             p,
-            const Vector                                 &Su,
-            const std::array<Vector, nq>                 &Su_by_q,
-            const std::array<dealii::Tensor<2, dim>, nq> &L_by_q,
-            const dealii::Tensor<2, dim>                 &Z);
+    find_force_by_q(const Points                &points,
+                    const unsigned int           in_batch,
+                    const Motion                &motion,
+                    const dealii::Tensor<1, nq> &shift);
 
     void
-    add_to_matrix(const Stencils<dim>        &stencils,
-                  const Group                &group,
-                  const unsigned int          q,
-                  const Response             &response,
-                  dealii::FullMatrix<double> &stiffness);
+    add_to_matrix(const Points      &points,
+                  const unsigned int in_batch,
+                  const Response    &response);
 
     const PlaceRules<dim> rules;
     const Places<dim>    &places;

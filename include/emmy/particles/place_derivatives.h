@@ -1,8 +1,6 @@
 #ifndef emmy_particles_place_derivatives_h
 #define emmy_particles_place_derivatives_h
 
-#include <deal.II/base/tensor.h>
-
 #include <array>
 #include <vector>
 
@@ -31,10 +29,22 @@ namespace emmy
   {
     static constexpr unsigned int n = 2 * dim;
 
-    /** S,k of node a, 1/m: [a * n + k]. */
+    unsigned int n_nodes = 0;
+    /** S,k of node a, 1/m: [k * n_nodes + a]. */
     std::vector<double> values;
-    /** (grad S),k, 1/m^2. */
-    std::vector<dealii::Tensor<1, dim>> gradients;
+    /** (dS/dx_d),k, 1/m^2: [(k * dim + d) * n_nodes + a]. */
+    std::vector<double> gradients;
+
+    const double *
+    value(const unsigned int k) const
+    {
+      return values.data() + k * n_nodes;
+    }
+    const double *
+    gradient(const unsigned int k, const unsigned int d) const
+    {
+      return gradients.data() + (k * dim + d) * n_nodes;
+    }
 
     /**
      * Products of the factors of all directions.

@@ -6,6 +6,30 @@
 namespace emmy
 {
   /**
+   * What linear solvers add on the diagonal of a node, kg, from its lumped
+   * mass in a group of points or of one point, and the mass of these points.
+   * The second part is for nodes with S = 0 at all points; it must be far below
+   * any S^2 that is not zero.
+   */
+  inline double
+  damping_of(const double lumped, const double total)
+  {
+    return mass_damping * lumped + 1e-30 * total;
+  }
+
+  /**
+   * Add M~ u to an array over the local nodes, [dim * node + c], without
+   * summing M~. @p start and @p masses as below.
+   */
+  template <int dim>
+  void
+  add_mass_times(const std::vector<double> &u,
+                 const Stencils<dim>       &stencils,
+                 const double              *masses,
+                 const GridStart<dim>      &start,
+                 std::vector<double>       &result);
+
+  /**
    * Hand out the effective mass M~ group by group, with what effects add to
    * it: their sum over the nodes is M~ (Pretti et al. 2023, eqs 15, 18). Cost:
    * a product of two shape functions for each particle and pair of its nodes.

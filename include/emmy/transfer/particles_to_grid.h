@@ -108,6 +108,14 @@ namespace emmy
     /** See Couplings::hand_out_mass. */
     std::function<void(const ActiveGrid<dim> &, const MassReceiver &)>
       hand_out_mass = nullptr;
+
+    /** The mass that effects add, block by block. */
+    void
+    hand_out_added_mass(const MassReceiver &receive) const
+    {
+      if (hand_out_mass)
+        hand_out_mass(*active, receive);
+    }
   };
 
   /**
