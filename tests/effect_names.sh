@@ -33,7 +33,8 @@ count 'ghost stabilisation' 'ghost.?(stab|face|mass|effect|stiff|penal)' \
 # the choice, its threshold and its price; words of two remedies
 count 'starved nodes' 'starved|aggregat' \
   'starved_nodes|aggregation|roots' 8
-count 'gravity' 'gravity' 'gravity|field_load|effect' 1
+# examples in the words of --help
+count 'gravity' 'gravity' 'gravity|field_load|effect' 4
 count 'point load' 'point.?load' 'point_load|field_load' 2
 count 'manufactured solution' 'manufactured' \
   'manufactured_solution|exact_motion' 1

@@ -1,3 +1,5 @@
+#include <boost/algorithm/string/predicate.hpp>
+
 #include <emmy/effects/effect.h>
 #include <emmy/material/material.h>
 #include <emmy/output/measurement.h>
@@ -51,36 +53,33 @@ namespace emmy
   } // namespace
 
   void
-  print_catalogue(std::ostream &out)
+  print_catalogue(std::ostream &out, const std::string &section)
   {
-    print_group(out,
-                "effects",
-                "Effects/Names",
-                choices(effect_library<2>(), effect_library<3>()));
-    print_group(out,
-                "materials",
-                "Materials/NAME/Model",
-                choices(material_library<2>(), material_library<3>()));
-    print_group(out,
-                "shapes",
-                "Bodies/NAME/Shape",
-                choices(shape_library<2>(), shape_library<3>()));
-    print_group(out,
-                "shape functions",
-                "Method/Shape functions",
-                choices(shape_function_library<2>(),
-                        shape_function_library<3>()));
-    print_group(out,
-                "measurements",
-                "Measurements/NAME/Type",
-                choices(measurement_library<2>(), measurement_library<3>()));
-    print_group(out,
-                "linear solvers",
-                "Solver/Linear solver",
-                linear_solvers());
-    print_group(out,
-                "preconditioners of GMRES and BiCGStab",
-                "Solver/Preconditioner",
-                preconditioners());
+    const auto print = [&](const std::string         &kind,
+                           const std::string         &entry,
+                           const std::vector<Choice> &choices) {
+      if (section.empty() ||
+          boost::algorithm::istarts_with(entry, section + "/"))
+        print_group(out, kind, entry, choices);
+    };
+    print("effects",
+          "Effects/Names",
+          choices(effect_library<2>(), effect_library<3>()));
+    print("materials",
+          "Materials/NAME/Model",
+          choices(material_library<2>(), material_library<3>()));
+    print("shapes",
+          "Bodies/NAME/Shape",
+          choices(shape_library<2>(), shape_library<3>()));
+    print("shape functions",
+          "Method/Shape functions",
+          choices(shape_function_library<2>(), shape_function_library<3>()));
+    print("measurements",
+          "Measurements/NAME/Type",
+          choices(measurement_library<2>(), measurement_library<3>()));
+    print("linear solvers", "Solver/Linear solver", linear_solvers());
+    print("preconditioners of GMRES and BiCGStab",
+          "Solver/Preconditioner",
+          preconditioners());
   }
 } // namespace emmy

@@ -1,9 +1,12 @@
 #include <emmy/base/exceptions.h>
-#include <emmy/base/json.h>
 #include <emmy/base/text.h>
 #include <emmy/run/price.h>
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <iomanip>
 #include <ostream>
@@ -12,6 +15,15 @@ namespace emmy
 {
   namespace
   {
+    using Json = nlohmann::ordered_json;
+
+    /** A count that was summed as a double, without the point. */
+    std::int64_t
+    whole(const double count)
+    {
+      return std::llround(count);
+    }
+
     /** Add what another phase or part took. */
     void
     add_times(Phases::Row &sum, const Phases::Row &row)
@@ -23,24 +35,23 @@ namespace emmy
       sum.iterations += row.iterations;
     }
 
-    JsonObject
+    Json
     json_of(const Phases::Row &row, const double total)
     {
-      JsonObject object;
-      object.add("name", row.name);
+      Json object{{"name", row.name}};
       if (!row.within.empty())
-        object.add("within", row.within);
-      object.add("calls", row.calls);
-      object.add("seconds", row.seconds);
-      object.add("mean_seconds", row.mean_seconds);
-      object.add("share_percent", total > 0. ? 100. * row.seconds / total : 0.);
+        object["within"] = row.within;
+      object["calls"]         = whole(row.calls);
+      object["seconds"]       = row.seconds;
+      object["mean_seconds"]  = row.mean_seconds;
+      object["share_percent"] = total > 0. ? 100. * row.seconds / total : 0.;
       if (row.points > 0.)
         {
-          object.add("points", row.points);
-          object.add("points_per_second", row.points_per_second());
+          object["points"]            = whole(row.points);
+          object["points_per_second"] = row.points_per_second();
         }
       if (row.iterations > 0.)
-        object.add("linear_iterations", row.iterations);
+        object["linear_iterations"] = whole(row.iterations);
       return object;
     }
 
@@ -143,46 +154,43 @@ namespace emmy
                     const Ledger      &ledger,
                     const RunCounts   &counts) const
   {
-    JsonObject json;
-    json.add("version", std::string(EMMY_VERSION));
-    json.add("ranks",
-             double(dealii::Utilities::MPI::n_mpi_processes(communicator)));
-    json.add("steps", double(counts.steps));
-    json.add("halvings", double(counts.halvings));
-    json.add("damped_steps", double(counts.damped));
-    for (const char *column : {"newton_iterations", "linear_iterations"})
-      json.add(column, sum_of(ledger, column));
-    json.add("peak_memory_bytes", sum_of_memory);
-    json.add("peak_memory_bytes_of_a_rank", largest_memory);
-    json.add("total_seconds", total);
-    json.add("seconds_outside_phases",
-             Phases::seconds_outside(phase_rows, total));
-
-    std::vector<JsonObject> list;
+    Json json{{"version", EMMY_VERSION},
+              {"ranks", dealii::Utilities::MPI::n_mpi_processes(communicator)},
+              {"steps", counts.steps},
+              {"halvings", counts.halvings},
+              {"damped_steps", counts.damped},
+              {"newton_iterations", whole(sum_of(ledger, "newton_iterations"))},
+              {"linear_iterations", whole(sum_of(ledger, "linear_iterations"))},
+              {"peak_memory_bytes", whole(sum_of_memory)},
+              {"peak_memory_bytes_of_a_rank", whole(largest_memory)},
+              {"total_seconds", total},
+              {"seconds_outside_phases",
+               Phases::seconds_outside(phase_rows, total)},
+              {"phases", Json::array()},
+              {"effects", Json::array()},
+              {"residual_work", ledger["residual_work"]},
+              {"balance_error", ledger["balance_error"]}};
     for (const Phases::Row &row : phase_rows)
-      list.push_back(json_of(row, total));
-    json.add("phases", list);
-    list.clear();
+      json["phases"].push_back(json_of(row, total));
     for (const Line &line : lines)
       {
-        JsonObject effect = json_of(line.time, total), energies;
+        Json effect        = json_of(line.time, total);
+        effect["energies"] = Json::object();
         for (const EnergyEntry &entry : ledger.energies())
           if (std::count(line.ledger_columns.begin(),
                          line.ledger_columns.end(),
                          entry.name) > 0)
-            energies.add(entry.name, entry.change);
-        effect.add("energies", energies);
-        list.push_back(effect);
+            effect["energies"][entry.name] = entry.change;
+        json["effects"].push_back(effect);
       }
-    json.add("effects", list);
-    for (const char *column : {"residual_work", "balance_error"})
-      json.add(column, ledger[column]);
 
     std::string problem;
     if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
       {
         std::ofstream out(filename);
-        out << json.text() << std::flush;
+        // bytes that are not UTF-8, as in names of old files, are replaced
+        out << json.dump(2, ' ', false, Json::error_handler_t::replace)
+            << std::endl;
         if (!out)
           problem = "the file <" + filename + "> cannot be written";
       }

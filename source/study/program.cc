@@ -4,141 +4,19 @@
 #include <emmy/run/catalogue.h>
 #include <emmy/run/run.h>
 #include <emmy/run/scene_parameters.h>
+#include <emmy/study/command_line.h>
 #include <emmy/study/program.h>
 #include <emmy/study/study.h>
 #include <emmy/study/study_parameters.h>
 
 #include <iostream>
+#include <sstream>
 #include <string>
-#include <vector>
 
 namespace emmy
 {
   namespace
   {
-    constexpr const char *help =
-      R"(emmy: implicit, energy- and momentum-conserving material point method
-
-  emmy FILE.prm [options]          run the scene of a parameter file
-  emmy study FILE.prm [options]    run the study of a parameter file: a scene
-                                   with many settings, compared in study.csv
-                                   and on a page with pictures
-  emmy --check FILE.prm            read it, build the scene, say what each part
-                                   will cost; run nothing
-  emmy study --check FILE.prm      read all members of a study; run nothing
-  emmy --check --all FILE.prm      and what each absent effect would cost
-  emmy --list                      the effects, materials, shapes, shape
-                                   functions and solvers that there are
-  emmy --print-parameters          all parameters there are, with units
-  emmy --print-parameters FILE.prm all parameters of that file as it sets them
-  emmy study --print-parameters    all parameters of a study
-  emmy --version | --help
-
-options
-  --set "Section/Name=value"       override an entry; may be repeated
-  --tolerance NUMBER               of a study: the cheapest of its members that
-                                   have run with errors of at most this; run
-                                   nothing
-  --all                            of a run: say at its head what each absent
-                                   effect would cost too
-  --overwrite                      replace the results of an earlier run; run
-                                   all members of a study again
-
-In parallel: mpirun -np 2 emmy FILE.prm
-)";
-
-    struct CommandLine
-    {
-      enum class Task
-      {
-        run,
-        check,
-        list,
-        print_parameters,
-        version,
-        help
-      } task = Task::run;
-      std::string              file;
-      std::vector<std::string> assignments;
-      bool                     overwrite = false, all = false;
-      double                   tolerance = 0.; ///< 0: not asked for
-      bool                     is_study  = false;
-    };
-
-    CommandLine
-    parse(const std::vector<std::string> &words)
-    {
-      const auto refuse = [](const std::string &what,
-                             const std::string &remedy) {
-        AssertThrow(false, ExcRun("Command line", what, remedy));
-      };
-      CommandLine line;
-      for (auto word = words.begin(); word != words.end(); ++word)
-        if (*word == "study" && word == words.begin())
-          line.is_study = true;
-        else if (*word == "--help" || *word == "-h")
-          line.task = CommandLine::Task::help;
-        else if (*word == "--version")
-          line.task = CommandLine::Task::version;
-        else if (*word == "--print-parameters")
-          line.task = CommandLine::Task::print_parameters;
-        else if (*word == "--check")
-          line.task = CommandLine::Task::check;
-        else if (*word == "--list")
-          line.task = CommandLine::Task::list;
-        else if (*word == "--all")
-          line.all = true;
-        else if (*word == "--overwrite")
-          line.overwrite = true;
-        else if (*word == "--set")
-          {
-            if (word + 1 == words.end())
-              refuse("--set has no value",
-                     "write --set \"Section/Name=value\".");
-            line.assignments.push_back(*++word);
-          }
-        else if (*word == "--tolerance")
-          {
-            const std::string number = word + 1 == words.end() ? "" : *++word;
-            char             *end    = nullptr;
-            line.tolerance           = std::strtod(number.c_str(), &end);
-            if (*end != '\0' || !(line.tolerance > 0.))
-              refuse("--tolerance <" + number + ">",
-                     "write a positive number behind it, e.g. --tolerance "
-                     "1e-3.");
-          }
-        else if (word->substr(0, 1) == "-")
-          refuse("unknown option <" + *word + ">", "emmy --help lists them.");
-        else if (!line.file.empty())
-          refuse("two parameter files, <" + line.file + "> and <" + *word + ">",
-                 "give one; start emmy once per file.");
-        else
-          line.file = *word;
-      if (line.is_study && line.task == CommandLine::Task::list)
-        refuse("study with --list", "emmy --list alone lists what there is.");
-      if (line.tolerance > 0. &&
-          !(line.is_study && line.task == CommandLine::Task::run))
-        refuse("--tolerance without a study",
-               "write emmy study FILE.prm --tolerance 1e-3.");
-      if (line.all &&
-          (line.is_study || (line.task != CommandLine::Task::check &&
-                             line.task != CommandLine::Task::run)))
-        refuse("--all without a scene to check or run",
-               "write emmy --check --all FILE.prm to see what the effects "
-               "would cost that the scene does not have.");
-      if (line.task == CommandLine::Task::list &&
-          !(line.file.empty() && line.assignments.empty()))
-        refuse("--list with <" + (line.file.empty() ? "--set" : line.file) +
-                 ">",
-               "give --list alone: it lists what there is for any file. emmy "
-               "--check FILE.prm says what a file uses.");
-      if (line.file.empty() && (line.task == CommandLine::Task::run ||
-                                line.task == CommandLine::Task::check))
-        refuse("no parameter file",
-               "name one, e.g. emmy prm/paper/7.2.prm; emmy --help says more.");
-      return line;
-    }
-
     template <int dim>
     void
     perform(const CommandLine   &line,
@@ -184,23 +62,55 @@ In parallel: mpirun -np 2 emmy FILE.prm
         print_study_parameters(file, std::cout);
     }
 
+    /** Of scenes in three dimensions, or of studies. */
+    void
+    print_topic(const CommandLine &line, std::ostream &out)
+    {
+      std::ostringstream listing;
+      if (line.is_study)
+        print_study_parameters(reference_study(), listing);
+      else
+        SceneParameters<3>(reference_file()).print(listing);
+      const std::string parameters = parameters_on(line.topic, listing.str());
+      print_catalogue(out, line.topic);
+      out << parameters;
+    }
+
+    /** Says what the task asks for, if it asks for words alone. */
+    bool
+    tells(const CommandLine &line, const bool is_first)
+    {
+      std::ostringstream text;
+      switch (line.task)
+        {
+          case CommandLine::Task::help:
+            if (line.topic.empty())
+              print_help(text);
+            else
+              print_topic(line, text);
+            break;
+          case CommandLine::Task::version:
+            text << "emmy " EMMY_VERSION "\n";
+            break;
+          case CommandLine::Task::list:
+            print_catalogue(text);
+            break;
+          case CommandLine::Task::completion:
+            print_completion(text);
+            break;
+          default:
+            return false;
+        }
+      if (is_first)
+        std::cout << text.str();
+      return true;
+    }
+
     void
     perform(const CommandLine &line, const bool is_first)
     {
-      using Task = CommandLine::Task;
-      if (line.task == Task::help || line.task == Task::version)
-        {
-          if (is_first)
-            std::cout << (line.task == Task::help ? help
-                                                  : "emmy " EMMY_VERSION "\n");
-          return;
-        }
-      if (line.task == Task::list)
-        {
-          if (is_first)
-            print_catalogue(std::cout);
-          return;
-        }
+      if (tells(line, is_first))
+        return;
       ParameterFile file = !line.file.empty() ? ParameterFile(line.file)
                            : line.is_study    ? reference_study()
                                               : reference_file();
@@ -240,7 +150,7 @@ In parallel: mpirun -np 2 emmy FILE.prm
     };
     try
       {
-        perform(parse({argv + 1, argv + argc}), is_first);
+        perform(parse_command_line({argv + 1, argv + argc}), is_first);
       }
     catch (const ExcParameter &error)
       {

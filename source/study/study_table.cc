@@ -1,10 +1,10 @@
 #include <deal.II/base/utilities.h>
 
-#include <boost/property_tree/json_parser.hpp>
-
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
 #include <emmy/study/study_table.h>
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -23,22 +23,40 @@ namespace emmy
       {"steps", "steps"},
       {"ranks", "ranks"}};
 
-    boost::property_tree::ptree
-    read_json(const std::string &filename)
+    /** What a study takes from the timing.json of a run. */
+    struct Timing
     {
-      boost::property_tree::ptree tree;
+      double                        seconds;
+      std::map<std::string, double> counts;
+      /** Columns seconds_PHASE, in the order of the phases. */
+      std::vector<std::pair<std::string, double>> phases;
+    };
+
+    Timing
+    read_timing(const std::string &filename)
+    {
+      Timing timing;
       try
         {
-          boost::property_tree::read_json(filename, tree);
+          std::ifstream file(filename);
+          const auto    json = nlohmann::json::parse(file);
+          timing.seconds     = json.at("total_seconds").get<double>();
+          for (const auto &[column, key] : counts)
+            timing.counts[column] = json.at(key).get<double>();
+          for (const auto &phase : json.at("phases"))
+            timing.phases.emplace_back(
+              "seconds_" + dealii::Utilities::replace_in_string(
+                             phase.at("name").get<std::string>(), " ", "_"),
+              phase.at("seconds").get<double>());
         }
-      catch (const boost::property_tree::ptree_error &error)
+      catch (const nlohmann::json::exception &error)
         {
           AssertThrow(false,
                       ExcRun("Study",
                              "cannot read <" + filename + ">: " + error.what(),
                              "remove its folder, or run with --overwrite."));
         }
-      return tree;
+      return timing;
     }
 
     /** As a cell of a CSV file: on one line, in quotes where it needs them. */
@@ -124,18 +142,14 @@ namespace emmy
     for (unsigned int r = 0; r < plan.repetitions; ++r)
       {
         const std::string folder = plan.folder(plan.members[m], r);
-        const auto        timing = read_json(folder + "/timing.json");
-        row.seconds.push_back(timing.get<double>("total_seconds", unknown));
+        const Timing      timing = read_timing(folder + "/timing.json");
+        row.seconds.push_back(timing.seconds);
         if (r > 0)
           continue;
-        for (const auto &[column, key] : counts)
-          row.numbers[column] = timing.get<double>(key, unknown);
-        for (const auto &[nothing, phase] : timing.get_child("phases"))
+        row.numbers = timing.counts;
+        for (const auto &[column, seconds] : timing.phases)
           {
-            const std::string column =
-              "seconds_" + dealii::Utilities::replace_in_string(
-                             phase.get<std::string>("name"), " ", "_");
-            row.numbers[column] = phase.get<double>("seconds");
+            row.numbers[column] = seconds;
             remember(phase_columns, {column});
           }
         const LedgerHistory ledger(folder + "/ledger.csv");

@@ -52,10 +52,12 @@ processor_seconds()
               printf "%.2f\n", sum }'
 }
 
-# of LINE_PATTERN KEY: a number of timing.json
+# of PHASE KEY: a number of timing.json, where each entry has its line
 of()
 {
-  grep "$1" run/timing.json | sed "s/.*\"$2\": \([0-9.e+-]*\).*/\1/"
+  awk -v name="\"name\": \"$1\"" -v key="\"$2\": " '
+    index($0, name) { is_there = 1 }
+    is_there && index($0, key) { sub(/^[^:]*: /, ""); print $0 + 0; exit }' run/timing.json
 }
 
 echo "| discs | particles | reading, s | run, s | setup, s | aggregation, s/step |"
@@ -67,9 +69,9 @@ for n in 10 20 40; do
   particles=$(tail -n 1 run/ledger.csv | tr , '\n' | sed -n "$(
     head -n 1 run/ledger.csv | tr , '\n' | grep -n '^particles$' | cut -d : -f 1
   )p")
-  setup=$(of '"name": "setup"' seconds)
-  aggregation=$(of '"name": "aggregation"' seconds)
-  calls=$(of '"name": "aggregation"' calls)
+  setup=$(of setup seconds)
+  aggregation=$(of aggregation seconds)
+  calls=$(of aggregation calls)
   awk -v discs=$((n * n)) -v particles="$particles" -v reading="$reading" -v run="$run" \
     -v setup="$setup" -v aggregation="$aggregation" -v calls="$calls" 'BEGIN {
       printf "| %d | %d | %.2f | %.2f | %.3f | %.4f |\n",

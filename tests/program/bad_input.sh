@@ -401,6 +401,12 @@ refused 'no file' 'no parameter file|name one' --check
 refused 'two files' 'two parameter files, <base.prm> and <b.prm>|give one' base.prm b.prm
 refused 'missing file' 'cannot read the file <none.prm>|check the name' none.prm
 refused 'unknown option' 'unknown option <--frob>|emmy --help' base.prm --frob
+refused 'misspelt option' 'unknown option <--chek>|did you mean <--check>' base.prm --chek
+refused 'short option' 'unknown option <-q>|emmy --help' -q base.prm
+refused 'an option with a value' '--check with a value|--check alone' --check=yes base.prm
+refused 'unknown topic' 'no help on <efects>|did you mean <Effects>' --help efects
+refused 'completion of another shell' 'completion for <csh>|completion bash' completion csh
+refused '--set=' '--set has no value|Section/Name=value' base.prm --set=
 refused '--set without a value' '--set has no value|Section/Name=value' base.prm --set
 for assignment in 'End time' 'Time/=1'; do
   refused "malformed --set <$assignment>" \

@@ -51,6 +51,35 @@ prints '--version' --version
 check '--version: one line with the number' \
   has_lines 1 "$work/out" '^emmy [0-9]+\.[0-9]+\.[0-9]+$'
 check '--version: nothing else' has_lines 1 "$work/out"
+prints '--help with a file' --help base.prm
+check '--help with a file: is --help' cmp -s "$work/out" ../help
+prints '--help of a section' --help effects
+check '--help of a section: the effects that there are' has_lines 1 "$work/out" '^  gravity  +[^ ].{9}'
+check '--help of a section: and no materials' not says "$work/out" Hencky
+check '--help of a section: its entries' sets Acceleration ''
+check '--help of a section: no others' not sets 'Step size' '.*'
+prints '--help of an entry' '--help=step size'
+check '--help of an entry: where it stands' has_lines 1 "$work/out" '^Time/Step size$'
+check '--help of an entry: what it is' has_lines 1 "$work/out" '^ *# .*Unit: s\.'
+check '--help of an entry: nothing else' has_lines 3 "$work/out"
+prints '--help of a study' study --help Names
+check '--help of a study: its entry' has_lines 1 "$work/out" '^Study/Names$'
+
+echo "Completion"
+prints 'completion' completion bash
+cp "$work/out" ../completion
+if command -v bash >/dev/null; then
+  # completed WORDS...: what bash offers for the last of them
+  completed()
+  {
+    bash -c '. ../completion && COMP_WORDS=(emmy "$@") COMP_CWORD=$# && _emmy && echo "${COMPREPLY[*]}"' bash "$@"
+  }
+  check 'completion: an option' [ "$(completed base.prm --over)" = --overwrite ]
+  check 'completion: each option of the help' [ "$(completed -- | wc -w)" -eq \
+    "$(grep -c '^  \(-h .*\)\{0,1\}--' ../help)" ]
+  check 'completion: a file' [ "$(completed --check ba)" = base.prm ]
+  check 'completion: a study' [ "$(completed stu)" = study ]
+fi
 
 echo "Reference of the parameters"
 prints '--print-parameters' --print-parameters
@@ -80,6 +109,13 @@ check '--set: overrides, and the last wins' sets 'Step size' 4
 check '--set: another entry' sets 'Factor' 7
 prints '--set before the file' --set 'Time/Step size=3' --print-parameters base.prm
 check '--set before the file: overrides too' sets 'Step size' 3
+prints '--set=' --print-parameters base.prm '--set=Time/Step size=3' --set 'Time/Factor=7'
+check '--set=: overrides' sets 'Step size' 3
+check '--set=: beside --set' sets 'Factor' 7
+cp base.prm ./-base.prm
+prints 'short, twice, and after --' --print --print-param --check --print-p --set=Time/Factor=7 -- -base.prm
+rm ./-base.prm
+check 'short, twice, and after --: the last task, the file' sets 'Factor' 7
 
 # What `emmy --check` must tell, as fixed words separated by |
 told='particles|cells|unknowns|bytes|first time step'
