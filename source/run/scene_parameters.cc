@@ -75,8 +75,9 @@ namespace emmy
                   starved_threshold,
                   "A node is starved with less than this part of the mass that "
                   "a full body would give it. Below 2^-dim corners of a block "
-                  "of full cells are fed. 0: 0.02 with GIMP; with linear "
-                  "functions 0.15, in space 0.1. Dimensionless, below 1.",
+                  "of full cells are fed. 0: 0.02 with GIMP, in space 0.05; "
+                  "with linear functions 0.15, in space 0.12. Dimensionless, "
+                  "below 1.",
                   prm,
                   Double(0.));
     add_parameter("Mapping",
@@ -164,13 +165,13 @@ namespace emmy
                 ExcParameter(path(),
                              "Starved threshold",
                              shortest(starved_threshold),
-                             "must lie between 0 and 1, 1 excluded. 0.02 is "
-                             "good with GIMP, 0.1 to 0.2 with linear "
+                             "must lie between 0 and 1, 1 excluded. 0.02 to "
+                             "0.05 is good with GIMP, 0.1 to 0.2 with linear "
                              "functions; 0 chooses."));
     // linear functions need more; below 2^-dim a block has all its corners
-    const double usual = shape_functions != "linear" ? 0.02
-                         : dim == 2                  ? 0.15
-                                                     : 0.1;
+    const bool   is_linear = shape_functions == "linear";
+    const double usual     = dim == 2 ? (is_linear ? 0.15 : 0.02) :
+                                        (is_linear ? 0.12 : 0.05);
     return std::make_unique<StarvedNodes<dim>>(
       Aggregation<dim>(starved_threshold > 0. ? starved_threshold : usual,
                        layout["mass"],

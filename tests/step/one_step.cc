@@ -1,6 +1,7 @@
 #include "one_step.h"
 
 #include <emmy/step/velocity_map.h>
+#include <emmy/transfer/grid_to_particles.h>
 
 #include <cmath>
 #include <map>
