@@ -1,10 +1,10 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/json.h>
 #include <emmy/base/text.h>
+#include <emmy/base/whole_file.h>
 #include <emmy/study/price.h>
 
 #include <algorithm>
-#include <fstream>
 #include <iomanip>
 #include <ostream>
 
@@ -180,16 +180,10 @@ namespace emmy
 
     std::string problem;
     if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
-      {
-        std::ofstream out(filename);
-        out << json.text() << std::flush;
-        if (!out)
-          problem = "the file <" + filename + "> cannot be written";
-      }
+      problem = write_whole_file(filename, json.text());
     throw_together(communicator,
                    "Writing the price of the run",
                    problem,
-                   "check that its folder exists, may be written to, and "
-                   "that the disk is not full.");
+                   file_remedy);
   }
 } // namespace emmy
