@@ -1,5 +1,6 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/base/whole_file.h>
 #include <emmy/output/ledger.h>
 #include <emmy/output/progress.h>
 #include <emmy/output/run_directory.h>
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <exception>
 #include <fstream>
+#include <functional>
 #include <iostream>
 #include <sstream>
 
@@ -58,6 +60,8 @@ namespace emmy
       StepReport report;              ///< of the last accepted step
       double     largest_energy = 0.; ///< of all steps, J
       RunCounts  counts;
+      /** Of the ledger and the log on this rank; empty: none. */
+      std::function<std::string()> file_problem;
     };
 
     /** The closing lines of a run: what was conserved, and how well. */
@@ -135,10 +139,9 @@ namespace emmy
             progress.record(finding);
           ledger.add(report);
           throw_together(scene.grid.communicator(),
-                         "Ledger",
-                         ledger.problem(),
-                         "check the folder's permissions and the disk's free "
-                         "space. What was written so far is kept.");
+                         "Output",
+                         course.file_problem(),
+                         file_remedy + " What was written so far is kept.");
           frames.after(report);
           course.largest_energy =
             std::max(course.largest_energy, ledger.total_energy());
@@ -193,13 +196,17 @@ namespace emmy
                                  options.overwrite ||
                                    parameters.output.overwrite,
                                  communicator);
+    const std::string  log_name = directory.file("run.log");
     // not open, and so mute, on all ranks but the first
     std::ofstream log;
+    std::string   file_problem;
     if (is_first)
       {
-        log.open(directory.file("run.log"));
-        std::ofstream used(directory.file("parameters.prm"));
+        log.open(log_name);
+        std::ostringstream used;
         parameters.print(used);
+        file_problem =
+          write_whole_file(directory.file("parameters.prm"), used.str());
       }
 
     std::ostringstream head;
@@ -211,6 +218,14 @@ namespace emmy
 
     if (is_first)
       ledger.write_to(directory.file("ledger.csv"));
+    Course course{initial, ledger.total_energy(), {}, [&] {
+                    return is_first && !log ? cannot_write(log_name)
+                                            : ledger.problem();
+                  }};
+    throw_together(communicator,
+                   "Output",
+                   file_problem.empty() ? course.file_problem() : file_problem,
+                   file_remedy);
     Frames<dim> frames(scene, parameters, directory);
     frames.initial();
     Progress progress(screen,
@@ -226,24 +241,32 @@ namespace emmy
 
     // What goes wrong on the way is reported after the results so far. All
     // ranks throw it together; any other error passes, as one rank alone can
-    // not finish the output.
+    // not finish the output. The first failure counts: a full disk has many.
     std::exception_ptr failure;
-    Course             course{initial, ledger.total_energy(), {}};
-    try
-      {
-        advance_to_end(
-          scene, parameters.time, ledger, frames, progress, course);
-      }
-    catch (const ExcRun &error)
-      {
-        failure = std::current_exception();
-        log << "stopped: " << message_of(error) << std::endl;
-      }
+    const auto         attempt = [&](const std::function<void()> &work) {
+      try
+        {
+          work();
+        }
+      catch (const ExcRun &error)
+        {
+          log << "stopped: " << message_of(error) << std::endl;
+          if (failure)
+            screen << "note: " << message_of(error) << std::endl;
+          else
+            failure = std::current_exception();
+        }
+    };
+    attempt([&] {
+      advance_to_end(scene, parameters.time, ledger, frames, progress, course);
+    });
     scene.phases.set_listener(nullptr);
     progress.finish();
-    for (const std::string &warning :
-         frames.finish(course.report, /*is_complete=*/!failure))
-      progress.note(warning);
+    attempt([&] {
+      for (const std::string &warning :
+           frames.finish(course.report, /*is_complete=*/!failure))
+        progress.note(warning);
+    });
 
     std::ostringstream tail;
     tail << "linear solver " << scene.stepper->solver_name() << '\n';
@@ -257,7 +280,15 @@ namespace emmy
     price.print(tail, ledger);
     screen << tail.str() << std::flush;
     log << tail.str() << std::flush;
-    price.write_json(directory.file("timing.json"), ledger, course.counts);
+    attempt([&] {
+      price.write_json(directory.file("timing.json"), ledger, course.counts);
+    });
+    attempt([&] {
+      throw_together(communicator,
+                     "Output",
+                     course.file_problem(),
+                     file_remedy);
+    });
     if (failure)
       std::rethrow_exception(failure);
     screen << "results in " << directory.path() << '\n';
