@@ -64,6 +64,36 @@ namespace emmy
       std::function<std::string()> file_problem;
     };
 
+    /**
+     * The work that solves left, J: its sum, and a line if that may matter.
+     * The magnitudes of all steps are added, so that none hides another: a
+     * step may leave a rest that does not matter alone.
+     */
+    void
+    tell_of_residuals(std::ostream &out,
+                      const Ledger &ledger,
+                      const double  energy)
+    {
+      constexpr double matters = 1e-8; // of the energy
+      const auto      &names   = ledger.columns();
+      const auto       column =
+        std::find(names.begin(), names.end(), "residual_work") - names.begin();
+      double all = 0.;
+      for (unsigned int row = 1; row < ledger.rows().size(); ++row)
+        all +=
+          std::abs(ledger.rows()[row][column] - ledger.rows()[row - 1][column]);
+      out << "work of residuals " << ledger["residual_work"]
+          << " J, of all steps without their signs " << all << " J\n";
+      if (!(all <= matters * energy))
+        out << "note: that is "
+            << (energy > 0. ? brief(all / energy) + " of the largest energy"
+                            : "all energy that there was")
+            << ", more than " << matters
+            << ": what the solves left may matter. Lower Solver/Newton "
+               "tolerance and Linear tolerance, or shorten the steps that "
+               "run.log names\n";
+    }
+
     /** The closing lines of a run: what was conserved, and how well. */
     void
     summarise(std::ostream     &out,
@@ -82,8 +112,8 @@ namespace emmy
           << " s, time step " << smallest << " to " << largest << " s\n"
           << "kinetic + stored energy " << ledger.total_energy()
           << " J, at the start " << initial.totals.kinetic_energy << " J\n";
-      out << "work of residuals " << ledger["residual_work"] << " J\n"
-          << "balance error " << ledger["balance_error"] << " J";
+      tell_of_residuals(out, ledger, course.largest_energy);
+      out << "balance error " << ledger["balance_error"] << " J";
       if (course.largest_energy > 0.)
         out << ", " << std::abs(ledger["balance_error"]) / course.largest_energy
             << " of the largest energy";

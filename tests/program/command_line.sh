@@ -164,6 +164,14 @@ check 'ledger: 17 digits' [ "$(
 check 'stretching: strain energy is not zero' [ "$(
   awk -F , 'END { print ($7 > 1e-6) }' first/ledger.csv
 )" -eq 1 ]
+check 'stretching: what solves left is told of' matches first/run.log \
+  '^work of residuals .* J, of all steps without their signs '
+check 'stretching: it does not matter' not says first/run.log 'what the solves left may matter'
+accepted 'a loose tolerance' base.prm --set "$moving" --set 'Output/Directory=loose' \
+  --set 'Solver/Newton tolerance=1e-2'
+left=$(sed -n 's/^work of residuals .* signs \(.*\) J$/\1/p' loose/run.log)
+check 'a loose tolerance: no step hides another' is "$left > 0 && $left >= 0.9999 * sqrt($(last loose residual_work)^2)"
+check 'a loose tolerance: the work left may matter' says "$work/out" 'what the solves left may matter'
 accepted 'again from parameters.prm' first/parameters.prm --set 'Output/Directory=again'
 check 'again from parameters.prm: the same ledger' cmp -s first/ledger.csv again/ledger.csv
 # the same block as a formula, with and without a box around it
