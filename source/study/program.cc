@@ -154,7 +154,8 @@ In parallel: mpirun -np 2 emmy FILE.prm
           if (is_first && line.file.empty())
             std::cout << "# The reference of all parameters, shown in three "
                          "dimensions with\n# one section per material and "
-                         "shape. Not a scene.\n\n";
+                         "shape. Not a scene. Components of vectors,\n# "
+                         "also formulas, are separated by , or ;.\n\n";
           if (is_first)
             std::cout << text.str();
         }
