@@ -2,6 +2,7 @@
 #define emmy_tests_check_h
 
 #include <cmath>
+#include <cstdlib>
 #include <exception>
 #include <iomanip>
 #include <iostream>
@@ -19,6 +20,7 @@ namespace emmy
   {
     inline unsigned int n_checks = 0;
     inline unsigned int n_failed = 0;
+    inline bool         is_over  = false; ///< the counts were printed
 
     /** @p fact must be true; @p what says what it is. */
     inline void
@@ -29,6 +31,8 @@ namespace emmy
         {
           ++n_failed;
           std::cout << "FAILED: " << what << std::endl;
+          if (is_over) // the exit code is on its way
+            std::abort();
         }
     }
 
@@ -88,6 +92,7 @@ namespace emmy
     {
       std::cout << n_checks << " checks, " << n_failed << " failed"
                 << std::endl;
+      is_over = true;
       return n_failed == 0 && n_checks > 0 ? 0 : 1;
     }
   } // namespace test

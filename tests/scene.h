@@ -13,19 +13,61 @@ namespace emmy
 {
   namespace test
   {
-    /** A scene that runs in memory, with its ledger. */
+    /**
+     * A scene that runs in memory, with its ledger. The ledger's balance holds
+     * for any displacement; only the work of what Newton left tells that the
+     * equation of motion was solved. So it is bounded for each scene, at the
+     * latest when the scene is gone.
+     */
     template <int dim>
     struct RunningScene
     {
       Scene<dim>               scene;
       Ledger                   ledger;
       std::vector<std::string> notes; ///< for the screen, of all steps
+      /** Work that the solves may leave in all steps, without signs, of the
+       * largest energy; more where Newton is to stop early. A scene with nodes
+       * of next to no mass sets its own. */
+      double most_residual_work;
 
       RunningScene(const SceneParameters<dim> &parameters,
                    const MPI_Comm              communicator = MPI_COMM_WORLD)
         : scene(parameters, communicator)
         , ledger(scene.initial_report(), dim)
+        , most_residual_work(
+            std::max(1e-9, 0.01 * parameters.solver.newton_tolerance))
       {}
+
+      ~RunningScene()
+      {
+        const double       left = residual_work();
+        std::ostringstream text;
+        text << "work of residuals " << left << " of the energy, at most "
+             << most_residual_work;
+        check(left <= most_residual_work, text.str());
+      }
+
+      RunningScene(const RunningScene &) = delete;
+
+      /** That of all steps, without signs, over the largest energy. */
+      double
+      residual_work() const
+      {
+        const auto          work   = column("residual_work");
+        std::vector<double> energy = column("kinetic_energy");
+        for (const EnergyEntry &entry : ledger.energies())
+          {
+            const auto change = column(entry.name);
+            for (unsigned int row = 0; row < energy.size(); ++row)
+              energy[row] += std::abs(change[row]);
+          }
+        double sum = 0., scale = 0.;
+        for (unsigned int row = 1; row < work.size(); ++row)
+          sum += std::abs(work[row] - work[row - 1]);
+        for (const double value : energy)
+          scale = std::max(scale, value);
+        return sum > 0. || std::isnan(sum) ? sum / scale : 0.;
+      }
 
       void
       advance(const unsigned int n_steps)

@@ -1,4 +1,5 @@
 #include <emmy/base/declared_parameters.h>
+#include <emmy/base/formula.h>
 #include <emmy/base/text.h>
 
 #include <deal.II/base/parameter_handler.h>
@@ -153,15 +154,40 @@ namespace emmy
   }
 
 
+  namespace
+  {
+    const std::regex
+      number(R"(\[(Double|Integer range) (.+)\.\.\.(.+) \(inclusive\)\])");
+    const std::regex
+      list(R"(\[List of <(.*)> of length (\d+)\.\.\.(\d+) \(inclusive\))"
+           R"((?: separated by <(.*)>)?\])");
+
+    /** Whether the items of a list are numbers, by their pattern. */
+    bool
+    are_numbers(const std::string &pattern)
+    {
+      return pattern == "[Double]" || pattern == "[Integer]" ||
+             std::regex_match(pattern, number);
+    }
+  } // namespace
+
+
+  std::string
+  as_declared(const std::string &value, const std::string &pattern)
+  {
+    std::smatch part;
+    if (value.find_first_of(",;") == std::string::npos ||
+        !std::regex_match(pattern, part, list) || !are_numbers(part[1]))
+      return value;
+    const std::string separator = part[4];
+    return separated_by(separator == ";" ? ';' : ',', value);
+  }
+
+
   std::string
   in_words(const std::string &pattern)
   {
-    static const std::regex number(
-      R"(\[(Double|Integer range) (.+)\.\.\.(.+) \(inclusive\)\])");
-    static const std::regex selection(R"(\[(Multiple)?Selection (.*) \])");
-    static const std::regex list(
-      R"(\[List of <(.*)> of length (\d+)\.\.\.(\d+) \(inclusive\))"
-      R"((?: separated by <(.*)>)?\])");
+    static const std::regex  selection(R"(\[(Multiple)?Selection (.*) \])");
     static const std::string max_length =
       std::to_string(std::numeric_limits<unsigned int>::max());
 
@@ -188,8 +214,11 @@ namespace emmy
                 : to != max_length ? from + " to " + to
                 : from == "0"      ? "any number of"
                                    : "at least " + from) +
-               " items separated by <" + (separator.empty() ? "," : separator) +
-               ">, each " + in_words(part[1]);
+               " items separated by " +
+               (are_numbers(part[1]) ? "<,> or <;>"
+                : separator.empty()  ? "<,>"
+                                     : "<" + separator + ">") +
+               ", each " + in_words(part[1]);
       }
     return pattern == "[Bool]"                             ? "true or false"
            : pattern == "[Double]"                         ? "a number"

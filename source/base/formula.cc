@@ -46,6 +46,20 @@ namespace emmy
   } // namespace
 
 
+  std::string
+  separated_by(const char separator, std::string list)
+  {
+    int depth = 0; // of parentheses
+    for (char &letter : list)
+      {
+        depth += (letter == '(') - (letter == ')');
+        if (depth == 0 && (letter == ',' || letter == ';'))
+          letter = separator;
+      }
+    return list;
+  }
+
+
   template <int dim>
   std::unique_ptr<dealii::FunctionParser<dim>>
   read_formulas(const std::string &text,
@@ -61,7 +75,7 @@ namespace emmy
     try
       {
         function->initialize(variables,
-                             text,
+                             separated_by(';', text),
                              std::map<std::string, double>{
                                {"pi", dealii::numbers::PI}});
         function->value(dealii::Point<dim>()); // only now it is parsed

@@ -344,7 +344,9 @@ namespace emmy
           prm.enter_subsection(one);
         try
           {
-            prm.set(name, value);
+            prm.set(name,
+                    as_declared(value,
+                                declared.find(section, name, false)->pattern));
           }
         catch (const dealii::ParameterHandler::ExcValueDoesNotMatchPattern &)
           {

@@ -26,7 +26,7 @@ namespace emmy
                                entry,
                                dealii::Patterns::Tools::to_string(values),
                                "it is required: " + std::to_string(dim) +
-                                 " numbers in m, separated by commas."));
+                                 " numbers in m, separated by , or ;."));
       Point<dim> result;
       for (unsigned int d = 0; d < dim; ++d)
         result[d] = values[d];

@@ -8,7 +8,7 @@ namespace emmy
   {
     this->add_parameter("Acceleration",
                         acceleration,
-                        "Components of the acceleration, separated by commas: "
+                        "Components of the acceleration, separated by , or ;: "
                         "0, -9.81. Unit: m/s^2. "
                         "Required if gravity is named.",
                         this->prm,
@@ -28,7 +28,7 @@ namespace emmy
                              "Acceleration",
                              dealii::Patterns::Tools::to_string(acceleration),
                              "it is required: " + std::to_string(dim) +
-                               " components in m/s^2, separated by commas, "
+                               " components in m/s^2, separated by , or ;, "
                                "e.g. " +
                                (dim == 2 ? "0, -9.81." : "0, 0, -9.81.")));
     dealii::Tensor<1, dim> g;

@@ -146,8 +146,8 @@ namespace emmy
     const unsigned int any = std::numeric_limits<unsigned int>::max();
     this->add_parameter("Force",
                         force,
-                        "Components of the whole force, separated by ;. A "
-                        "scene has one such load. The "
+                        "Components of the whole force, separated by , or ;. "
+                        "A scene has one such load. The "
                         "amplitude multiplies it. Unit: N (per metre of "
                         "thickness in plane strain). Required if point load "
                         "is named.",
@@ -156,7 +156,7 @@ namespace emmy
     this->add_parameter("Points nearest to",
                         positions,
                         "Positions separated by ;, each a list of coordinates "
-                        "separated by commas. The particle that is nearest to "
+                        "separated by ,. The particle that is nearest to "
                         "a position at the start gets one share of the force; "
                         "equally near ones part it equally. Unit: m. Either "
                         "this or <Region>.",
@@ -182,7 +182,7 @@ namespace emmy
                              "Force",
                              join(components, "; "),
                              "it is required: " + std::to_string(dim) +
-                               " components in N, separated by ;, e.g. " +
+                               " components in N, separated by , or ;, e.g. " +
                                (dim == 2 ? "0; -500e3." : "0; 0; -500e3.")));
     const bool has_region = !dealii::Utilities::trim(region).empty();
     AssertThrow(!positions.empty() || has_region,

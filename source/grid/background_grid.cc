@@ -1,6 +1,7 @@
 #include <deal.II/dofs/dof_tools.h>
 
 #include <emmy/base/exceptions.h>
+#include <emmy/base/index_limits.h>
 #include <emmy/base/text.h>
 #include <emmy/grid/background_grid.h>
 
@@ -55,6 +56,7 @@ namespace emmy
                          dealii::Patterns::Tools::to_string(lower_corner) +
                          ") in each direction. Coordinates are in m."));
       }
+    refuse_lattice(cells);
   }
 
   template <int dim>
@@ -72,6 +74,10 @@ namespace emmy
       h[d] = (upper[d] - lower[d]) / counts[d];
     if (at_start == Cells::none)
       return;
+    double n_all = 1.;
+    for (const unsigned int n : counts)
+      n_all *= n;
+    refuse_cells(n_all, n_all); // before their blocks are listed
     part = Window<dim>::whole(counts);
     make_cells();
     find_cells();
@@ -100,6 +106,11 @@ namespace emmy
   void
   BackgroundGrid<dim>::make_cells()
   {
+    const double n_blocks = part.blocks().size(),
+                 across   = std::ldexp(1., part.level());
+    // as if blocks shared no nodes
+    refuse_cells(n_blocks * std::pow(across, dim),
+                 n_blocks * std::pow(across + 1., dim));
     std::vector<dealii::Point<dim>>    vertices;
     std::map<Lattice, unsigned int>    vertex_at;
     std::vector<dealii::CellData<dim>> blocks(part.blocks().size());

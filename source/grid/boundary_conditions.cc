@@ -29,15 +29,15 @@ namespace emmy
                   prm,
                   sides);
     for (unsigned int side = 0; side < 2 * dim; ++side)
-      add_parameter("Velocity of " + side_names(dim)[side],
-                    velocities[side],
-                    "Formulas in t (s) of a wall that moves: " +
-                      std::to_string(dim) +
-                      " components separated by ; for a side in <Fixed>, the "
-                      "normal one for a side in <Roller>. Unit: m/s. Empty: "
-                      "at rest. The grid stays where it is, so a side can move "
-                      "along itself only: at most 1 % of a cell along its "
-                      "normal in all.");
+      add_parameter(
+        "Velocity of " + side_names(dim)[side],
+        velocities[side],
+        "Formulas in t (s) of a wall that moves: " + std::to_string(dim) +
+          " components separated by , or ; for a side in <Fixed>, the "
+          "normal one for a side in <Roller>. Unit: m/s. Empty: "
+          "at rest. The grid stays where it is, so a side can move "
+          "along itself only: at most 1 % of a cell along its "
+          "normal in all.");
   }
 
   std::vector<std::string>
@@ -108,7 +108,7 @@ namespace emmy
           n_components == 1
             ? "Write one formula in t, the normal velocity (m/s), e.g. 0.1*t."
             : "Write " + std::to_string(dim) +
-                " components separated by ;, each a formula in t (m/s), e.g. " +
+                " components separated by , or ;, each a formula in t (m/s), e.g. " +
                 (dim == 2 ? "0; 0.1*t." : "0; 0; 0.1*t."),
           "t");
       }

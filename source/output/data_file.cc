@@ -1,10 +1,14 @@
+#include <deal.II/base/utilities.h>
+
 #include <emmy/base/exceptions.h>
+#include <emmy/base/whole_file.h>
 #include <emmy/output/data_file.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 
 namespace emmy
 {
@@ -60,24 +64,59 @@ namespace emmy
     }
 
 
+    /** Which of all components are integers. */
+    std::vector<bool>
+    integer_components(const std::vector<FieldDescription> &fields)
+    {
+      std::vector<bool> result;
+      for (const FieldDescription &field : fields)
+        result.insert(result.end(), field.n_components, field.is_integer);
+      return result;
+    }
+
+
+    /** Insert @p addition behind the first line that has @p mark. */
+    void
+    insert_behind(std::string       &text,
+                  const std::string &mark,
+                  const std::string &addition)
+    {
+      const auto line = text.find(mark);
+      AssertThrow(line != std::string::npos, dealii::ExcInternalError());
+      text.insert(text.find('\n', line) + 1, addition);
+    }
+
+
+    /** The element that describes an array of integers, up to its end. */
+    std::string
+    integer_array(const std::string &element, const std::string &name)
+    {
+      return "    <" + element + " type=\"Int64\" Name=\"" + name +
+             "\" format=\"ascii\"";
+    }
+
+
     /**
      * List the fields of the files @p basename in fields.txt, unless they
-     * are there already.
+     * are there already. What went wrong; empty if nothing did.
      */
-    void
+    std::string
     list_fields(const std::string                   &directory,
                 const std::string                   &basename,
                 const std::vector<FieldDescription> &fields,
                 const unsigned int                   dim)
     {
-      const auto filename = std::filesystem::path(directory) / "fields.txt";
-      const std::string heading = basename + ".pvd";
-      std::ifstream     present(filename);
+      const std::string filename =
+        (std::filesystem::path(directory) / "fields.txt").string();
+      const std::string  heading = basename + ".pvd";
+      std::ifstream      present(filename);
+      std::ostringstream out;
       for (std::string line; std::getline(present, line);)
         if (line == heading)
-          return;
+          return {};
+        else
+          out << line << "\n";
 
-      std::ofstream out(filename, std::ios::app);
       out << heading << "\n" << std::string(heading.size(), '-') << "\n";
       for (const FieldDescription &field : fields)
         {
@@ -92,8 +131,8 @@ namespace emmy
             out << " (vector)";
           out << ": " << field.description << "\n";
         }
-      out << "\n" << std::flush;
-      AssertThrow(out, dealii::ExcFileNotOpen(filename.string()));
+      out << "\n";
+      return write_whole_file(filename, out.str());
     }
   } // namespace
 
@@ -101,15 +140,22 @@ namespace emmy
   template <int patch_dim, int dim>
   DataFile<patch_dim, dim>::DataFile(std::vector<FieldDescription> fields)
     : fields(std::move(fields))
-    , names(component_names(this->fields, dim))
-  {}
+    , is_integer(integer_components(this->fields))
+    , integers(std::count(is_integer.begin(), is_integer.end(), true))
+  {
+    Assert(patch_dim == 0 || integers.empty(), dealii::ExcNotImplemented());
+    const auto all_names = component_names(this->fields, dim);
+    for (unsigned int c = 0; c < all_names.size(); ++c)
+      if (!is_integer[c])
+        names.push_back(all_names[c]);
+  }
 
 
   template <int patch_dim, int dim>
   unsigned int
   DataFile<patch_dim, dim>::n_values() const
   {
-    return names.size();
+    return is_integer.size();
   }
 
 
@@ -148,10 +194,16 @@ namespace emmy
     // An array in deal.II 9.4, a std::array in 9.6.
     std::copy(vertices.begin(), vertices.end(), std::begin(patch.vertices));
 
-    patch.data.reinit(n_values(), n_vertices);
+    patch.data.reinit(names.size(), n_vertices);
     for (unsigned int v = 0; v < n_vertices; ++v)
-      for (unsigned int c = 0; c < n_values(); ++c)
-        patch.data(c, v) = static_cast<float>(values[v * n_values() + c]);
+      for (unsigned int c = 0, real = 0, integer = 0; c < n_values(); ++c)
+        {
+          const double value = values[v * n_values() + c];
+          if (is_integer[c])
+            integers[integer++].push_back(static_cast<std::int64_t>(value));
+          else
+            patch.data(real++, v) = static_cast<float>(value);
+        }
   }
 
 
@@ -173,29 +225,67 @@ namespace emmy
           flags.physical_units[field.name + ending] = field.unit;
     this->set_flags(flags);
 
-    std::string file, problem;
-    try
+    const unsigned int n_ranks =
+      dealii::Utilities::MPI::n_mpi_processes(communicator);
+    const unsigned int rank =
+      dealii::Utilities::MPI::this_mpi_process(communicator);
+    const std::string stem =
+      basename + "_" + dealii::Utilities::int_to_string(frame, 4) + ".";
+    const auto file_of = [&stem](const unsigned int r) {
+      return stem + std::to_string(r) + ".vtu";
+    };
+    const auto path = [&directory](const std::string &file) {
+      return (std::filesystem::path(directory) / file).string();
+    };
+
+    std::string problem = write_whole_file(path(file_of(rank)), piece());
+    if (rank == 0 && problem.empty())
       {
-        file = this->write_vtu_with_pvtu_record(
-          (std::filesystem::path(directory) / "").string(),
-          basename,
-          frame,
-          communicator,
-          4);
-        if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
-          list_fields(directory, basename, fields, dim);
+        std::vector<std::string> pieces;
+        for (unsigned int r = 0; r < n_ranks; ++r)
+          pieces.push_back(file_of(r));
+        problem = write_whole_file(path(stem + "pvtu"), record(pieces));
       }
-    catch (const std::exception &)
-      {
-        problem = "frame " + std::to_string(frame) + " of <" + basename +
-                  "> cannot be written to the folder <" + directory + ">";
-      }
-    throw_together(communicator,
-                   "Output",
-                   problem,
-                   "check that the folder exists, may be written to, and "
-                   "that the disk is not full.");
-    return file;
+    if (rank == 0 && problem.empty())
+      problem = list_fields(directory, basename, fields, dim);
+    throw_together(communicator, "Output", problem, file_remedy);
+    return stem + "pvtu";
+  }
+
+
+  template <int patch_dim, int dim>
+  std::string
+  DataFile<patch_dim, dim>::piece() const
+  {
+    std::ostringstream out;
+    this->write_vtu(out);
+    std::string  text = out.str();
+    unsigned int i    = 0;
+    for (const FieldDescription &field : fields)
+      if (field.is_integer)
+        {
+          std::string array = integer_array("DataArray", field.name) + ">\n";
+          for (const std::int64_t value : integers[i++])
+            array += std::to_string(value) + ' ';
+          insert_behind(text, "<PointData", array + "\n    </DataArray>\n");
+        }
+    return text;
+  }
+
+
+  template <int patch_dim, int dim>
+  std::string
+  DataFile<patch_dim, dim>::record(const std::vector<std::string> &pieces) const
+  {
+    std::ostringstream out;
+    this->write_pvtu_record(out, pieces);
+    std::string text = out.str();
+    for (const FieldDescription &field : fields)
+      if (field.is_integer)
+        insert_behind(text,
+                      "<PPointData",
+                      integer_array("PDataArray", field.name) + "/>\n");
+    return text;
   }
 
 
@@ -229,7 +319,7 @@ namespace emmy
             first + dim - 1,
             field.name,
             dealii::DataComponentInterpretation::component_is_part_of_vector);
-        first += field.n_components;
+        first += field.is_integer ? 0 : field.n_components;
       }
     return ranges;
   }

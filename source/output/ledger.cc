@@ -1,7 +1,9 @@
 #include <emmy/base/exceptions.h>
+#include <emmy/base/whole_file.h>
 #include <emmy/output/ledger.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <limits>
 
 namespace emmy
@@ -61,10 +63,11 @@ namespace emmy
   void
   Ledger::write_to(const std::string &filename)
   {
+    errno = 0;
     file.open(filename);
     name = filename;
     if (!file.is_open())
-      write_problem = "cannot write <" + name + ">";
+      write_problem = cannot_write(name, errno);
     file.precision(std::numeric_limits<double>::max_digits10);
     for (unsigned int c = 0; c < names.size(); ++c)
       file << (c ? "," : "") << names[c];
@@ -162,10 +165,11 @@ namespace emmy
   void
   Ledger::write_row(const Row &row)
   {
+    errno = 0;
     for (unsigned int c = 0; c < row.size(); ++c)
       file << (c ? "," : "") << row[c];
     file << '\n' << std::flush;
-    if (!file.good())
-      write_problem = "cannot write <" + name + ">";
+    if (!file.good() && write_problem.empty())
+      write_problem = cannot_write(name, errno);
   }
 } // namespace emmy

@@ -90,7 +90,7 @@ namespace emmy
                                  "Nearest to",
                                  text,
                                  "it is required: " + std::to_string(dim) +
-                                   " coordinates in m, separated by commas."));
+                                   " coordinates in m, separated by , or ;."));
         Point<dim> from;
         for (unsigned int d = 0; d < dim; ++d)
           from[d] = position[d];

@@ -1,3 +1,4 @@
+#include <emmy/base/whole_file.h>
 #include <emmy/output/gnuplot.h>
 #include <emmy/output/pictures.h>
 
@@ -378,7 +379,8 @@ namespace emmy
   void
   Pictures::cannot_write(const std::string &file)
   {
-    warnings.push_back("the file " + file + " cannot be written to " + folder);
+    warnings.push_back(emmy::cannot_write((fs::path(folder) / file).string()) +
+                       ": check that the disk is not full");
   }
 
 

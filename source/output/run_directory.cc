@@ -51,10 +51,10 @@ namespace emmy
     {
       std::string kept =
         remove_matching(folder,
-                        "ledger\\.csv|parameters\\.prm|run\\.log|"
+                        "(ledger\\.csv|parameters\\.prm|run\\.log|"
                         "timing\\.json|fields\\.txt|"
                         "(particles|grid)(_[0-9]+(\\.[0-9]+)?\\.p?vtu|"
-                        "\\.pvd(\\.new)?)");
+                        "\\.pvd))(\\.new)?");
       const fs::path pictures = folder / "pictures";
       if (kept.empty() && fs::is_directory(pictures))
         {

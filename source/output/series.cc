@@ -1,10 +1,11 @@
 #include <emmy/base/exceptions.h>
+#include <emmy/base/whole_file.h>
 #include <emmy/output/series.h>
 
 #include <deal.II/base/data_out_base.h>
 
 #include <filesystem>
-#include <fstream>
+#include <sstream>
 
 namespace emmy
 {
@@ -25,23 +26,11 @@ namespace emmy
     std::string problem;
     if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
       {
-        // Written aside and renamed: a viewer never meets half a file.
-        const std::string aside = filename + ".new";
-        std::ofstream     out(aside);
-        if (out)
-          dealii::DataOutBase::write_pvd_record(out, frames);
-        out.close();
-        std::error_code error;
-        if (out)
-          std::filesystem::rename(aside, filename, error);
-        if (!out || error)
-          problem = "the file <" + filename + "> cannot be written";
+        std::ostringstream text;
+        dealii::DataOutBase::write_pvd_record(text, frames);
+        problem = write_whole_file(filename, text.str());
       }
-    throw_together(communicator,
-                   "Output",
-                   problem,
-                   "check that its folder exists, may be written to, and "
-                   "that the disk is not full.");
+    throw_together(communicator, "Output", problem, file_remedy);
   }
 
 

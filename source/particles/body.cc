@@ -48,10 +48,11 @@ namespace emmy
       "body or leave it uncovered by half their size.",
       this->prm,
       dealii::Patterns::Selection("body|cells"));
-    this->add_parameter("Initial velocity",
-                        initial_velocity,
-                        "Components separated by ;, each a formula in x, y "
-                        "(and z). Unit: m/s. Empty: at rest.");
+    this->add_parameter(
+      "Initial velocity",
+      initial_velocity,
+      "Components separated by , or ;, each a formula in x, y "
+      "(and z). Unit: m/s. Empty: at rest.");
     this->add_parameter(
       "Cut by",
       cut_by,
@@ -120,7 +121,7 @@ namespace emmy
       parameters.path(),
       "Initial velocity",
       "Write " + std::to_string(dim) +
-        " components separated by ;, each a formula in " +
+        " components separated by , or ;, each a formula in " +
         dealii::FunctionParser<dim>::default_variable_names() + ", e.g. " +
         (dim == 2 ? "0.75; 0" : "0.75; 0; 0") + ".");
     return body;

@@ -55,7 +55,7 @@ namespace emmy
                                  name,
                                  dealii::Patterns::Tools::to_string(values),
                                  "it is required: " + std::to_string(dim) +
-                                   " coordinates in m, separated by commas."));
+                                   " coordinates in m, separated by , or ;."));
         Point<dim> result;
         for (unsigned int d = 0; d < dim; ++d)
           result[d] = values[d];

@@ -113,7 +113,8 @@ namespace emmy
   void
   Frames<dim>::write_particles(const double time)
   {
-    std::vector<FieldDescription> fields{{"id", 1, "1", "particle id"}};
+    std::vector<FieldDescription> fields{
+      {"id", 1, "1", "particle id", /*is_integer=*/true}};
     for (const Field &field : scene.layout.fields())
       fields.push_back(
         {field.written_name(),

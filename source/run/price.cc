@@ -1,5 +1,6 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/base/whole_file.h>
 #include <emmy/run/price.h>
 
 #include <nlohmann/json.hpp>
@@ -7,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <iomanip>
 #include <ostream>
 
@@ -186,18 +186,13 @@ namespace emmy
 
     std::string problem;
     if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
-      {
-        std::ofstream out(filename);
-        // bytes that are not UTF-8, as in names of old files, are replaced
-        out << json.dump(2, ' ', false, Json::error_handler_t::replace)
-            << std::endl;
-        if (!out)
-          problem = "the file <" + filename + "> cannot be written";
-      }
+      // bytes that are not UTF-8, as in names of old files, are replaced
+      problem = write_whole_file(
+        filename,
+        json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
     throw_together(communicator,
                    "Writing the price of the run",
                    problem,
-                   "check that its folder exists, may be written to, and "
-                   "that the disk is not full.");
+                   file_remedy);
   }
 } // namespace emmy

@@ -1,5 +1,6 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/base/whole_file.h>
 #include <emmy/output/ledger.h>
 #include <emmy/output/progress.h>
 #include <emmy/output/run_directory.h>
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <exception>
 #include <fstream>
+#include <functional>
 #include <iostream>
 #include <sstream>
 
@@ -58,7 +60,39 @@ namespace emmy
       StepReport report;              ///< of the last accepted step
       double     largest_energy = 0.; ///< of all steps, J
       RunCounts  counts;
+      /** Of the ledger and the log on this rank; empty: none. */
+      std::function<std::string()> file_problem;
     };
+
+    /**
+     * The work that solves left, J: its sum, and a line if that may matter.
+     * The magnitudes of all steps are added, so that none hides another: a
+     * step may leave a rest that does not matter alone.
+     */
+    void
+    tell_of_residuals(std::ostream &out,
+                      const Ledger &ledger,
+                      const double  energy)
+    {
+      constexpr double matters = 1e-8; // of the energy
+      const auto      &names   = ledger.columns();
+      const auto       column =
+        std::find(names.begin(), names.end(), "residual_work") - names.begin();
+      double all = 0.;
+      for (unsigned int row = 1; row < ledger.rows().size(); ++row)
+        all +=
+          std::abs(ledger.rows()[row][column] - ledger.rows()[row - 1][column]);
+      out << "work of residuals " << ledger["residual_work"]
+          << " J, of all steps without their signs " << all << " J\n";
+      if (!(all <= matters * energy))
+        out << "note: that is "
+            << (energy > 0. ? brief(all / energy) + " of the largest energy"
+                            : "all energy that there was")
+            << ", more than " << matters
+            << ": what the solves left may matter. Lower Solver/Newton "
+               "tolerance and Linear tolerance, or shorten the steps that "
+               "run.log names\n";
+    }
 
     /** The closing lines of a run: what was conserved, and how well. */
     void
@@ -78,8 +112,8 @@ namespace emmy
           << " s, time step " << smallest << " to " << largest << " s\n"
           << "kinetic + stored energy " << ledger.total_energy()
           << " J, at the start " << initial.totals.kinetic_energy << " J\n";
-      out << "work of residuals " << ledger["residual_work"] << " J\n"
-          << "balance error " << ledger["balance_error"] << " J";
+      tell_of_residuals(out, ledger, course.largest_energy);
+      out << "balance error " << ledger["balance_error"] << " J";
       if (course.largest_energy > 0.)
         out << ", " << std::abs(ledger["balance_error"]) / course.largest_energy
             << " of the largest energy";
@@ -135,10 +169,9 @@ namespace emmy
             progress.record(finding);
           ledger.add(report);
           throw_together(scene.grid.communicator(),
-                         "Ledger",
-                         ledger.problem(),
-                         "check the folder's permissions and the disk's free "
-                         "space. What was written so far is kept.");
+                         "Output",
+                         course.file_problem(),
+                         file_remedy + " What was written so far is kept.");
           frames.after(report);
           course.largest_energy =
             std::max(course.largest_energy, ledger.total_energy());
@@ -193,13 +226,17 @@ namespace emmy
                                  options.overwrite ||
                                    parameters.output.overwrite,
                                  communicator);
+    const std::string  log_name = directory.file("run.log");
     // not open, and so mute, on all ranks but the first
     std::ofstream log;
+    std::string   file_problem;
     if (is_first)
       {
-        log.open(directory.file("run.log"));
-        std::ofstream used(directory.file("parameters.prm"));
+        log.open(log_name);
+        std::ostringstream used;
         parameters.print(used);
+        file_problem =
+          write_whole_file(directory.file("parameters.prm"), used.str());
       }
 
     std::ostringstream head;
@@ -211,6 +248,14 @@ namespace emmy
 
     if (is_first)
       ledger.write_to(directory.file("ledger.csv"));
+    Course course{initial, ledger.total_energy(), {}, [&] {
+                    return is_first && !log ? cannot_write(log_name)
+                                            : ledger.problem();
+                  }};
+    throw_together(communicator,
+                   "Output",
+                   file_problem.empty() ? course.file_problem() : file_problem,
+                   file_remedy);
     Frames<dim> frames(scene, parameters, directory);
     frames.initial();
     Progress progress(screen,
@@ -226,24 +271,32 @@ namespace emmy
 
     // What goes wrong on the way is reported after the results so far. All
     // ranks throw it together; any other error passes, as one rank alone can
-    // not finish the output.
+    // not finish the output. The first failure counts: a full disk has many.
     std::exception_ptr failure;
-    Course             course{initial, ledger.total_energy(), {}};
-    try
-      {
-        advance_to_end(
-          scene, parameters.time, ledger, frames, progress, course);
-      }
-    catch (const ExcRun &error)
-      {
-        failure = std::current_exception();
-        log << "stopped: " << message_of(error) << std::endl;
-      }
+    const auto         attempt = [&](const std::function<void()> &work) {
+      try
+        {
+          work();
+        }
+      catch (const ExcRun &error)
+        {
+          log << "stopped: " << message_of(error) << std::endl;
+          if (failure)
+            screen << "note: " << message_of(error) << std::endl;
+          else
+            failure = std::current_exception();
+        }
+    };
+    attempt([&] {
+      advance_to_end(scene, parameters.time, ledger, frames, progress, course);
+    });
     scene.phases.set_listener(nullptr);
     progress.finish();
-    for (const std::string &warning :
-         frames.finish(course.report, /*is_complete=*/!failure))
-      progress.note(warning);
+    attempt([&] {
+      for (const std::string &warning :
+           frames.finish(course.report, /*is_complete=*/!failure))
+        progress.note(warning);
+    });
 
     std::ostringstream tail;
     tail << "linear solver " << scene.stepper->solver_name() << '\n';
@@ -257,7 +310,15 @@ namespace emmy
     price.print(tail, ledger);
     screen << tail.str() << std::flush;
     log << tail.str() << std::flush;
-    price.write_json(directory.file("timing.json"), ledger, course.counts);
+    attempt([&] {
+      price.write_json(directory.file("timing.json"), ledger, course.counts);
+    });
+    attempt([&] {
+      throw_together(communicator,
+                     "Output",
+                     course.file_problem(),
+                     file_remedy);
+    });
     if (failure)
       std::rethrow_exception(failure);
     screen << "results in " << directory.path() << '\n';

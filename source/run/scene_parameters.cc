@@ -170,8 +170,8 @@ namespace emmy
                              "functions; 0 chooses."));
     // linear functions need more; below 2^-dim a block has all its corners
     const bool   is_linear = shape_functions == "linear";
-    const double usual     = dim == 2 ? (is_linear ? 0.15 : 0.02) :
-                                        (is_linear ? 0.12 : 0.05);
+    const double usual =
+      dim == 2 ? (is_linear ? 0.15 : 0.02) : (is_linear ? 0.12 : 0.05);
     return std::make_unique<StarvedNodes<dim>>(
       Aggregation<dim>(starved_threshold > 0. ? starved_threshold : usual,
                        layout["mass"],

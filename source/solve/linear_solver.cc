@@ -226,8 +226,11 @@ namespace emmy
           {
             if (preconditioner_name == "Jacobi")
               {
-                auto jacobi = std::make_unique<TW::PreconditionJacobi>();
-                jacobi->initialize(*matrix);
+                // The diagonal as blocks of one: AztecOO's BiCGStab goes
+                // astray with Ifpack's pointwise Jacobi.
+                auto jacobi = std::make_unique<TW::PreconditionBlockJacobi>();
+                jacobi->initialize(
+                  *matrix, TW::PreconditionBlockJacobi::AdditionalData(1));
                 preconditioner = std::move(jacobi);
               }
             else if (preconditioner_name == "ILU")

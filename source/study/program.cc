@@ -26,12 +26,15 @@ namespace emmy
       if (line.task == CommandLine::Task::print_parameters)
         {
           const SceneParameters<dim> parameters(file);
+          std::ostringstream         text; // deal.II throws if it is full
+          parameters.print(text);
           if (is_first && line.file.empty())
             std::cout << "# The reference of all parameters, shown in three "
                          "dimensions with\n# one section per material and "
-                         "shape. Not a scene.\n\n";
+                         "shape. Not a scene. Components of vectors,\n# "
+                         "also formulas, are separated by , or ;.\n\n";
           if (is_first)
-            parameters.print(std::cout);
+            std::cout << text.str();
         }
       else
         {
@@ -59,7 +62,11 @@ namespace emmy
             run_study(plan, line.overwrite, MPI_COMM_WORLD);
         }
       else if (is_first)
-        print_study_parameters(file, std::cout);
+        {
+          std::ostringstream text; // as above
+          print_study_parameters(file, text);
+          std::cout << text.str();
+        }
     }
 
     /** Of scenes in three dimensions, or of studies. */
@@ -170,6 +177,15 @@ namespace emmy
       {
         std::cerr << "\nemmy: unexpected error of an unknown kind" << std::endl;
         MPI_Abort(MPI_COMM_WORLD, 1);
+      }
+    if (!std::cout.flush())
+      {
+        std::cerr << "\nemmy: error: Screen: not all that emmy said could be "
+                     "written to the standard output\n  Remedy: if it goes to "
+                     "a file, check that the disk is not full. Results in "
+                     "files are whole."
+                  << std::endl;
+        return 1;
       }
     return 0;
   }

@@ -1,5 +1,6 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/base/whole_file.h>
 #include <emmy/study/study.h>
 #include <emmy/study/study_page.h>
 #include <emmy/study/study_pictures.h>
@@ -44,8 +45,8 @@ namespace emmy
           if (owner != name)
             problem = "<" + plan.directory + "> has the results of study <" +
                       owner + ">";
-          else if (!(std::ofstream(mark) << name << std::endl))
-            problem = "cannot write <" + mark + ">";
+          else
+            problem = write_whole_file(mark, name + "\n");
         }
       throw_together(communicator,
                      "<Study/Directory>",
@@ -73,15 +74,11 @@ namespace emmy
                  const StudyTable &table,
                  std::ostream     &screen)
     {
-      const std::string page = plan.directory + "/study.md";
-      std::ofstream     out(page);
-      write_study_page(out, plan, table);
-      out.close();
-      AssertThrow(out,
-                  ExcRun("Study",
-                         "cannot write <" + page + ">",
-                         "check the folder's permissions and the disk's free "
-                         "space."));
+      const std::string  page = plan.directory + "/study.md";
+      std::ostringstream text;
+      write_study_page(text, plan, table);
+      const std::string problem = write_whole_file(page, text.str());
+      AssertThrow(problem.empty(), ExcRun("Study", problem, file_remedy));
       for (const std::string &warning : draw_study(plan, table))
         screen << "note: " << warning << '\n';
       screen << "page with pictures in " << page << '\n';

@@ -1,11 +1,11 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/base/whole_file.h>
 #include <emmy/output/gnuplot.h>
 #include <emmy/study/study_pictures.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <sstream>
 
 namespace emmy
@@ -331,15 +331,11 @@ namespace emmy
         const Picture     picture(plan, table, is_over_size);
         const std::string filename =
           plan.directory + "/" + picture.name + ".gp";
-        std::ofstream script(filename);
+        std::ostringstream script;
         script.precision(12);
         picture.write(script);
-        script.close();
-        AssertThrow(script,
-                    ExcRun("Study",
-                           "cannot write <" + filename + ">",
-                           "check the folder's permissions and the disk's "
-                           "free space."));
+        const std::string problem = write_whole_file(filename, script.str());
+        AssertThrow(problem.empty(), ExcRun("Study", problem, file_remedy));
         switch (gnuplot::run(plan.directory, picture.name))
           {
             case gnuplot::Outcome::drawn:

@@ -1,4 +1,5 @@
 #include <emmy/base/exceptions.h>
+#include <emmy/base/whole_file.h>
 #include <emmy/run/run.h>
 #include <emmy/run/scene_parameters.h>
 #include <emmy/study/study_runner.h>
@@ -156,16 +157,14 @@ namespace emmy
       {
         std::error_code ignored; // then the file cannot be opened
         fs::create_directories(folder, ignored);
-        std::ofstream file(folder + "/member.txt");
-        file << outcome << '\n' << key << std::flush;
-        if (!file)
-          problem = "cannot write <" + folder + "/member.txt>";
+        problem =
+          write_whole_file(folder + "/member.txt", outcome + '\n' + key);
       }
     throw_together(communicator,
                    "Study",
                    problem,
-                   "check the folder's permissions and the disk's free "
-                   "space; then start the study again, which goes on here.");
+                   file_remedy +
+                     " Then start the study again, which goes on here.");
   }
 
   std::string
@@ -250,10 +249,9 @@ namespace emmy
       return "it wants " + std::to_string(n_ranks) + " ranks, there are " +
              std::to_string(n_there) + ": start with mpirun -np " +
              std::to_string(n_ranks);
-    if (!there.empty())
-      return there.substr(there.find(' ') + 1);
 
-    // an interrupted run has no outcome
+    // An interrupted run has no outcome. One that failed is tried again: the
+    // disk may have been full, or a rank lost.
     if (is_first)
       {
         std::error_code ignored; // there may be none

@@ -2,14 +2,15 @@
 
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/base/whole_file.h>
 #include <emmy/study/study_table.h>
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <ostream>
+#include <sstream>
 
 namespace emmy
 {
@@ -323,7 +324,7 @@ namespace emmy
   void
   StudyTable::write_csv(const std::string &filename) const
   {
-    std::ofstream            out(filename);
+    std::ostringstream       out;
     std::vector<std::string> cells = column_names();
     std::transform(cells.begin(), cells.end(), cells.begin(), [](auto name) {
       return cell(std::string(name));
@@ -364,12 +365,8 @@ namespace emmy
           cells.push_back(cell(number(m, column)));
         finish_line();
       }
-    out << std::flush;
-    AssertThrow(out,
-                ExcRun("Study",
-                       "cannot write <" + filename + ">",
-                       "check the folder's permissions and the disk's free "
-                       "space."));
+    const std::string problem = write_whole_file(filename, out.str());
+    AssertThrow(problem.empty(), ExcRun("Study", problem, file_remedy));
   }
 
   std::vector<double>

@@ -1,6 +1,7 @@
 #include <deal.II/lac/la_parallel_vector.h>
 
 #include <emmy/base/dealii_version.h>
+#include <emmy/base/index_limits.h>
 #include <emmy/system/active_grid.h>
 
 #include <algorithm>
@@ -128,6 +129,7 @@ namespace emmy
 
     const auto [first, n_nodes] =
       sum_below_and_total(owned_ids.size(), communicator());
+    refuse_unknowns(dim * n_nodes);
 
     // numbers of the nodes that others own (exact in double up to 2^53)
     Exchange number(couplings.has_tied_nodes

@@ -1,4 +1,5 @@
 #include <emmy/base/exceptions.h>
+#include <emmy/base/index_limits.h>
 #include <emmy/system/node_graph.h>
 
 #include <Epetra_CrsGraph.h>
@@ -26,6 +27,7 @@ namespace emmy
     place_of_unknown.resize(dim * first_dofs.size());
     note_conditions(constraints);
     find_neighbours(cliques);
+    refuse_matrix_entries(dim * dim * neighbours.size(), communicator);
     make_pattern(owned_dofs, known_dofs, communicator);
     find_places();
   }

@@ -1,6 +1,8 @@
 // A parameter file is read as deal.II reads it, and every mistake in it is
 // reported with file, line and the nearest valid name.
 
+#include <emmy/base/declared_parameters.h>
+#include <emmy/base/formula.h>
 #include <emmy/base/parameter_file.h>
 #include <emmy/base/text.h>
 
@@ -419,7 +421,7 @@ namespace
     check_throws_with(
       [] { parse("subsection Grid\nset Lower corner = 1\nend"); },
       {"<Grid/Lower corner> is <1>",
-       "it must be a list of 2 to 3 items separated by <,>, "
+       "it must be a list of 2 to 3 items separated by <,> or <;>, "
        "each a number. Unit: m."});
     check_throws_with(
       [] {
@@ -451,6 +453,34 @@ namespace
       .parse(scene.prm);
     check(scene.get({"Grid"}, "Old force") == "3", "an alias is known");
     check_close(scene.corner.at(1), 2., 0., "a list arrives in its variable");
+    text("subsection Grid\nset Lower corner = 3; 4; 5\nend").parse(scene.prm);
+    check(scene.corner == std::vector<double>{3., 4., 5.},
+          "semicolons separate as commas do");
+  }
+
+
+  // Commas or semicolons, whichever is written and wanted.
+  void
+  test_separators()
+  {
+    check(separated_by(';', "if(x > 0, min(a, (b, c)), 1), 2; 3") ==
+            "if(x > 0, min(a, (b, c)), 1); 2; 3",
+          "commas in parentheses separate nothing");
+    const auto read = [](const std::string           &value,
+                         const Patterns::PatternBase &pattern) {
+      return as_declared(value,
+                         pattern.description(Patterns::PatternBase::Machine));
+    };
+    const Patterns::List numbers(Patterns::Double(), 0, 3),
+      counts(Patterns::Integer(0), 2, 2),
+      by_semicolon(Patterns::Double(), 0, 3, ";"), nested(numbers, 0, 9, ";"),
+      names(Patterns::Anything{});
+    check(read("1; 2", numbers) == "1, 2", "numbers by commas");
+    check(read("1; 2", counts) == "1, 2", "whole numbers");
+    check(read("1, 2", by_semicolon) == "1; 2", "numbers by semicolons");
+    check(read("1, 2; 3, 4", nested) == "1, 2; 3, 4", "lists of lists stay");
+    check(read("a; b", names) == "a; b", "names stay");
+    check(read("1; 2", Patterns::Anything()) == "1; 2", "texts stay");
   }
 } // namespace
 
@@ -465,5 +495,6 @@ main()
   test_set();
   test_unknown_names();
   test_values();
+  test_separators();
   return report();
 }

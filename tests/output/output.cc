@@ -1,6 +1,7 @@
 // Files, pictures and messages of a run: what is written, what is refused, and
 // what is said. Runs on any number of ranks.
 
+#include <emmy/base/whole_file.h>
 #include <emmy/output/data_file.h>
 #include <emmy/output/pictures.h>
 #include <emmy/output/progress.h>
@@ -64,6 +65,10 @@ namespace
   }
 
 
+  // One of the largest that Debian's deal.II has; twice 2^31.
+  constexpr double large_id = 4294967290.;
+
+
   // Rank 0 alone has particles and cells; the other ranks write empty pieces.
   template <int dim>
   void
@@ -72,6 +77,7 @@ namespace
     const std::vector<FieldDescription> fields = {
       {"mass", 1, "kg", "of a particle"},
       {"velocity", dim, "m/s", "of a particle"},
+      {"id", 1, "1", "of a particle", /*is_integer=*/true},
       {"stress", dim == 2 ? 4u : 6u, "Pa", "Kirchhoff stress"}};
     const std::string points = "particles" + std::to_string(dim);
     const std::string cells  = "grid" + std::to_string(dim);
@@ -81,15 +87,18 @@ namespace
     for (unsigned int frame = 0; frame < 2; ++frame)
       {
         DataFile<0, dim> point_file(fields);
-        check(point_file.n_values() == 1 + dim + (dim == 2 ? 4 : 6),
+        check(point_file.n_values() == 2 + dim + (dim == 2 ? 4 : 6),
               "a value for each component");
-        DataFile<dim, dim> cell_file({{"momentum", dim, "N s", "nodal"}});
-        const std::vector<double> values(point_file.n_values(), 0.5);
+        DataFile<dim, dim>  cell_file({{"momentum", dim, "N s", "nodal"}});
+        std::vector<double> values(point_file.n_values(), 0.5);
         const std::vector<double> nodal(cell_file.n_vertices * dim, 0.25);
         if (rank() == 0)
           {
             for (unsigned int i = 0; i < 5; ++i)
-              point_file.add_point(Point<dim>::unit_vector(0) * i, values);
+              {
+                values[1 + dim] = large_id + i; // all the same as floats
+                point_file.add_point(Point<dim>::unit_vector(0) * i, values);
+              }
             auto vertices =
               std::array<Point<dim>, DataFile<dim, dim>::n_vertices>();
             for (unsigned int v = 0; v < vertices.size(); ++v)
@@ -109,6 +118,7 @@ namespace
         check_contains(at / (points + "_0001.pvtu"),
                        {"\"mass\"",
                         "\"velocity\" NumberOfComponents=\"3\"",
+                        "<PDataArray type=\"Int64\" Name=\"id\"",
                         "\"stress_xx\"",
                         "\"stress_xy\"",
                         "\"stress_zz\"",
@@ -121,6 +131,15 @@ namespace
         check(count(contents(at / (points + "_0000.0.vtu")),
                     "NumberOfPoints=\"5\"") == 1,
               "five particles");
+        // behind the head of the points' data, each id as it is
+        std::string piece = contents(at / (points + "_0000.0.vtu"));
+        piece.erase(0, piece.find("<PointData"));
+        check(count(piece.substr(0, piece.find("type=\"Float32\"")),
+                    "<DataArray type=\"Int64\" Name=\"id\" format=\"ascii\">\n"
+                    "4294967290 4294967291 4294967292 4294967293 4294967294 "
+                    "\n    </DataArray>\n") == 1,
+              "ids are whole numbers, without rounding");
+        check(count(piece, "\"id\"") == 1, "ids are written once");
         check(count(contents(at / (cells + "_0000.0.vtu")),
                     "NumberOfCells=\"1\"") == 1,
               "one cell");
@@ -154,10 +173,43 @@ namespace
         DataFile<0, dim> file({{"a", 1, "", ""}});
         file.write(folder + "/absent", "a", 0, 0., world);
       },
-      {"absent", "check that the folder exists"});
+      {"absent/a_0000.0.vtu> cannot be written (No such file or directory)",
+       "check that its folder exists",
+       "the disk is not full"});
     check_throws_with(
       [&] { Series(folder + "/absent", "a", world).add(0, ""); },
       {"absent/a.pvd"});
+  }
+
+
+  // Half a file is never seen, nor left: not even one that is aside.
+  void
+  test_whole_file(const std::string &folder)
+  {
+    const fs::path file  = fs::path(folder) / "whole.txt";
+    const fs::path aside = file.string() + ".new";
+    check(write_whole_file(file.string(), "old\n").empty() &&
+            contents(file) == "old\n",
+          "a file is written");
+    fs::create_symlink("/dev/full", aside); // as if the disk were
+    check(write_whole_file(file.string(), std::string(100000, 'x')) ==
+            "the file <" + file.string() +
+              "> cannot be written (No space left on device)",
+          "a full disk is told of");
+    check(contents(file) == "old\n", "the old file is kept");
+    check(!fs::exists(fs::symlink_status(aside)), "nothing stays aside");
+    check(write_whole_file(file.string(), "new").empty() &&
+            contents(file) == "new" && !fs::exists(aside),
+          "a file is replaced");
+
+    fs::create_directory(fs::path(folder) / "taken");
+    check(count(write_whole_file(folder + "/taken", "x"),
+                "taken> cannot be written") == 1,
+          "a folder is not replaced");
+    check(!fs::exists(folder + "/taken.new"), "nor does a file stay aside");
+    check(count(write_whole_file(folder + "/absent/file", "x"),
+                "absent/file> cannot be written (No such file") == 1,
+          "a folder that is absent");
   }
 
 
@@ -178,6 +230,7 @@ namespace
                                              "grid_0003.1.vtu",
                                              "run.log",
                                              "timing.json",
+                                             "timing.json.new",
                                              "parameters.prm",
                                              "fields.txt",
                                              "pictures/energies.png",
@@ -391,6 +444,7 @@ main(int argc, char **argv)
   test_run_directory(folder);
   if (rank() == 0)
     {
+      test_whole_file(folder);
       test_progress();
       test_pictures<2>(folder);
       test_pictures<3>(folder);

@@ -196,10 +196,10 @@ refused 'overlapping bodies' \
   'bodies <block> and <disc> overlap, e.g. at (|move or shrink' overlap.prm
 rm overlap.prm
 refused_set 'malformed velocity' \
-  '<Bodies/block/Initial velocity> is <1*; 0>|Unexpected end of expression|Write 2 components separated by ;' \
+  '<Bodies/block/Initial velocity> is <1*; 0>|Unexpected end of expression|Write 2 components separated by , or ;' \
   'Bodies/block/Initial velocity=1*; 0'
 refused_set 'velocity with one component' \
-  '<Bodies/block/Initial velocity> is <1>|Write 2 components separated by ;' \
+  '<Bodies/block/Initial velocity> is <1>|Write 2 components separated by , or ;' \
   'Bodies/block/Initial velocity=1'
 refused_set 'velocity that is no number' \
   'initial velocity of body <block>|nan m/s at (|must be finite' \
@@ -308,7 +308,7 @@ refused_set 'velocity of a free side' \
   '<Boundary conditions/Velocity of y-min> is <t>|this side is free|<Fixed> or <Roller>' \
   'Boundary conditions/Velocity of y-min=t'
 refused 'velocity with one component of a fixed side' \
-  '<Boundary conditions/Velocity of y-min> is <t>|Write 2 components separated by ;' \
+  '<Boundary conditions/Velocity of y-min> is <t>|Write 2 components separated by , or ;' \
   base.prm --set 'Boundary conditions/Fixed=y-min' \
   --set 'Boundary conditions/Velocity of y-min=t'
 refused 'malformed velocity of a roller' \
@@ -500,12 +500,12 @@ refused_load()
   refused "$name" "$words" base.prm --set 'Effects/Names=point load' "$@"
 }
 refused_load 'load without force' \
-  '<Effects/Point load/Force> is <>|required: 2 components in N, separated by ;|0; -500e3' \
+  '<Effects/Point load/Force> is <>|required: 2 components in N, separated by , or ;|0; -500e3' \
   'Region=1'
 refused_load 'load with one component' \
   '<Effects/Point load/Force> is <1.5>|required: 2 components in N' 'Force=1.5' 'Region=1'
 refused_load 'load with three components' \
-  '<Effects/Point load/Force> is <1; 2; 3>|a list of 0 to 2 items separated by <;>, each a number' \
+  '<Effects/Point load/Force> is <1; 2; 3>|a list of 0 to 2 items separated by <,> or <;>, each a number' \
   'Force=1; 2; 3' 'Region=1'
 refused_load 'load without particles' \
   '<Effects/Point load/Points nearest to> is <>|Give positions|or <Region>' 'Force=0; 1'

@@ -6,6 +6,7 @@
 
 n_checks=0
 n_failed=0
+n_skipped=0
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT
 trap 'exit 1' HUP INT TERM
@@ -43,10 +44,17 @@ not()
   ! "$@"
 }
 
+# skip NAME REASON: a check that this machine does not allow
+skip()
+{
+  n_skipped=$((n_skipped + 1))
+  echo "skipped: $1: $2"
+}
+
 # finish: the closing line, and the exit status of the script
 finish()
 {
-  echo "$n_checks checks, $n_failed failed"
+  echo "$n_checks checks, $n_failed failed, $n_skipped skipped"
   [ "$n_failed" -eq 0 ]
 }
 

@@ -92,8 +92,8 @@ for section in Grid Materials Bodies 'Boundary conditions' Effects Method Time S
   check "reference: has section $section" matches ../reference.prm "^subsection $section\$"
 done
 prints 'the reference as a file' --print-parameters ../reference.prm
-# but for the three lines at its head
-tail -n +4 ../reference.prm >../reference_body.prm
+# but for the four lines at its head
+tail -n +5 ../reference.prm >../reference_body.prm
 check 'the reference as a file: is read back unchanged' cmp -s "$work/out" ../reference_body.prm
 emmy_run --check ../reference.prm
 check 'the reference as a scene: stops at a required value' [ "$status" -eq 1 ]
@@ -200,6 +200,26 @@ check 'ledger: 17 digits' [ "$(
 check 'stretching: strain energy is not zero' [ "$(
   awk -F , 'END { print ($7 > 1e-6) }' first/ledger.csv
 )" -eq 1 ]
+check 'stretching: what solves left is told of' matches first/run.log \
+  '^work of residuals .* J, of all steps without their signs '
+check 'stretching: it does not matter' not says first/run.log 'what the solves left may matter'
+accepted 'a loose tolerance' base.prm --set "$moving" --set 'Output/Directory=loose' \
+  --set 'Solver/Newton tolerance=1e-2'
+left=$(sed -n 's/^work of residuals .* signs \(.*\) J$/\1/p' loose/run.log)
+check 'a loose tolerance: no step hides another' is "$left > 0 && $left >= 0.9999 * sqrt($(last loose residual_work)^2)"
+check 'a loose tolerance: the work left may matter' says "$work/out" 'what the solves left may matter'
+accepted 'components by , and ;' base.prm --set 'Output/Directory=separators' \
+  --set 'Bodies/block/Initial velocity=if(x > 0, max(0.1, min(0.3, 2))*sin(3*x), 7) + 0.2*y, 0.2*cos(2*y)' \
+  --set 'Grid/Lower corner=0; 0' --set 'Grid/Cells=4; 4' --set 'Bodies/block/box/Upper corner=2;2'
+check 'components by , and ;: the same ledger, commas of functions count' cmp -s first/ledger.csv separators/ledger.csv
+for separator in , \;; do
+  accepted "a point load by $separator" base.prm --set 'Effects/Names=point load, gravity' \
+    --set "Effects/Point load/Force=1$separator -2" --set 'Effects/Point load/Points nearest to=1, 1; 2, 2' \
+    --set "Effects/Gravity/Acceleration=0$separator -9.81" --set "Boundary conditions/Fixed=y-min" \
+    --set "Boundary conditions/Velocity of y-min=min(t, 0.1)$separator 0" --set 'Output/Directory=loaded' --overwrite
+  [ "$separator" = , ] && cp loaded/ledger.csv by_comma.csv
+done
+check 'a point load, gravity and a moving wall: the same ledger' cmp -s by_comma.csv loaded/ledger.csv
 accepted 'again from parameters.prm' first/parameters.prm --set 'Output/Directory=again'
 check 'again from parameters.prm: the same ledger' cmp -s first/ledger.csv again/ledger.csv
 # the same block as a formula, with and without a box around it

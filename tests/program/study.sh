@@ -150,8 +150,16 @@ emmy_run study ../files/crossed.prm --set 'Study/Directory=failing' \
   --set 'Study/mapping/Values=PIC | PAC | FLIP' --set 'Study/Names=mapping, dt, tries' \
   --set 'Study/dt/Values=0.125' --set 'Study/tries/Values=1 | 100' \
   --set 'Study/tries/Entries=Solver/Maximum iterations'
-check 'failing, resumed: none ran' ran 0
+check 'failing, resumed: what failed in its run is tried again' ran 2
 check 'failing, resumed: the table is the same' cmp -s before.csv failing/study.csv
+mkdir -p passing/member-001/ledger.csv # in the way, as a full disk would be
+emmy_run study ../files/paired.prm --set 'Study/Directory=passing'
+check 'in the way: fails, and says which file' matches passing/study.csv '^member-001.*failed: .*ledger.csv> cannot be written'
+rmdir passing/member-001/ledger.csv
+emmy_run study ../files/paired.prm --set 'Study/Directory=passing'
+check 'out of the way: is tried again' ran 1
+check 'out of the way: is done' matches passing/study.csv '^member-001,PIC,0.25,done,'
+check 'files aside: none is left' [ -z "$(find . -name '*.new')" ]
 
 echo "Errors"
 # refused NAME WORDS ARGUMENTS...: one error that says so

@@ -20,6 +20,14 @@ namespace emmy
 {
   namespace test
   {
+    /** Of a number or tensor. */
+    template <typename Value>
+    Value
+    sum_over_ranks(const Value &value)
+    {
+      return dealii::Utilities::MPI::sum(value, MPI_COMM_WORLD);
+    }
+
     /** What a test asks of a random cloud of particles. */
     struct CloudOptions
     {
@@ -34,6 +42,7 @@ namespace emmy
       bool                     moving    = false;   ///< the side y-min
       double ghost_mass = 0., ghost_stiffness = 0.; ///< penalties
       double aggregation = 0.;                      ///< mass threshold; 0: none
+      double width = 1.; ///< of the grid in x, from below, that has points
     };
 
     /**
@@ -144,10 +153,11 @@ namespace emmy
             for (unsigned int d = 0; d < dim; ++d)
               {
                 const double margin = 0.1 * grid->cell_size()[d];
-                x[d] =
-                  grid->lower_corner()[d] + margin +
-                  unit(generator) * (grid->upper_corner()[d] -
-                                     grid->lower_corner()[d] - 2. * margin);
+                const double length =
+                  (d == 0 ? options.width : 1.) *
+                  (grid->upper_corner()[d] - grid->lower_corner()[d]);
+                x[d] = grid->lower_corner()[d] + margin +
+                       unit(generator) * (length - 2. * margin);
               }
             std::vector<double> values = layout.initial_values();
             for (unsigned int d = 0; d < dim; ++d)

@@ -16,6 +16,17 @@ namespace
     {PointMapping::Walls::unconstrained, "W2"},
     {PointMapping::Walls::inelastic, "W3"}};
 
+  /** Some rank has no points, if there are several. */
+  void
+  check_points_of_ranks(const unsigned int n_own_points)
+  {
+    const auto least =
+      dealii::Utilities::MPI::min(n_own_points, MPI_COMM_WORLD);
+    test::check((dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1) ==
+                  (least == 0),
+                "a rank has no points");
+  }
+
   /** Numbers of points, gravity, kinds of walls, Newton stopped or not. */
   template <int dim>
   void
@@ -149,6 +160,49 @@ namespace
                   }
   }
 
+  /** Points in the first cells of each row alone: a rank has none. */
+  template <int dim>
+  void
+  check_rank_without_points()
+  {
+    // beyond the points boxes of GIMP would leave nodes with next to no mass
+    for (const auto &[gimp, aggregation, per_cell] :
+         {std::make_tuple(false, 0., 6u), {false, 0.45, 2u}, {true, 0.45, 4u}})
+      for (const double alpha : {1., 0.7})
+        for (const bool with_walls : {false, true})
+          for (const unsigned int n_iterations : {1u, 50u})
+            {
+              test::CloudOptions options;
+              options.n_points    = per_cell * (dim == 2 ? 3 : 9);
+              options.width       = 0.25;
+              options.gimp        = gimp;
+              options.gravity     = true;
+              options.aggregation = aggregation;
+              if (with_walls)
+                {
+                  options.fixed  = {"y-min"};
+                  options.moving = true;
+                }
+              const test::Cloud<dim> cloud(options);
+              check_points_of_ranks(
+                cloud.particles.n_locally_owned_particles());
+              PointMapping mapping;
+              mapping.flip_fraction = alpha;
+              test::OneStep<dim>(options,
+                                 mapping,
+                                 n_iterations,
+                                 0.01,
+                                 std::to_string(dim) +
+                                   "D, a rank without points, " +
+                                   (gimp ? "GIMP" : "MPM") +
+                                   ", FLIP fraction " + shortest(alpha) +
+                                   ", aggregation " + shortest(aggregation) +
+                                   (with_walls ? ", walls, " : ", ") +
+                                   std::to_string(n_iterations) + " iterations")
+                .check();
+            }
+  }
+
   /** Every mapping with every mass, shape function and wall. */
   template <int dim>
   void
@@ -209,6 +263,8 @@ int
 main(int argc, char *argv[])
 {
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  check_rank_without_points<2>();
+  check_rank_without_points<3>();
   check_scenes<2>();
   check_scenes<3>();
   check_methods<2>();

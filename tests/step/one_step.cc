@@ -36,21 +36,24 @@ namespace emmy
         return result;
       }
 
-      /** Sum of a_A x b_A over nodes, and of the sizes of its terms. */
+      /** Sum of a_A x b_A over nodes, and of the sizes of its terms.
+       * @param n_nodes of this rank, without those that others own */
       template <int dim>
       std::pair<Vector3, double>
-      cross(const std::vector<double> &a, const std::vector<double> &b)
+      cross(const std::vector<double> &a,
+            const std::vector<double> &b,
+            const unsigned int         n_nodes)
       {
         Vector3 sum;
         double  size = 0.;
-        for (unsigned int node = 0; node < a.size() / dim; ++node)
+        for (unsigned int node = 0; node < n_nodes; ++node)
           {
             const auto a_A = in_space<dim>(a, node),
                        b_A = in_space<dim>(b, node);
             sum += cross_product_3d(a_A, b_A);
             size += a_A.norm() * b_A.norm();
           }
-        return {sum, size};
+        return {sum_over_ranks(sum), sum_over_ranks(size)};
       }
 
       template <int dim>
@@ -72,6 +75,10 @@ namespace emmy
             result.angular += m * cross_product_3d(x, v);
             result.angular_size += m * x.norm() * v.norm();
           }
+        result.energy       = sum_over_ranks(result.energy);
+        result.linear       = sum_over_ranks(result.linear);
+        result.angular      = sum_over_ranks(result.angular);
+        result.angular_size = sum_over_ranks(result.angular_size);
         return result;
       }
     } // namespace
@@ -216,7 +223,8 @@ namespace emmy
           potential -= points.component(cloud.layout["mass"])[p] *
                        cloud.acceleration[d] *
                        (trial.position(d)[p] - points.position(d)[p]);
-      vanishes(W + potential, "the work of gravity is the potential lost");
+      vanishes(W + sum_over_ranks(potential),
+               "the work of gravity is the potential lost");
 
       if (is_converged)
         test::check(std::abs(books.residual_work) < 1e-8 * scale,
@@ -318,8 +326,9 @@ namespace emmy
       impulse *= -1.;
 
       const auto force = active.to_local(acting);
-      for (unsigned int node = 0; node < active.n_local_nodes(); ++node)
+      for (unsigned int node = 0; node < active.n_owned_nodes(); ++node)
         force_size += in_space<dim>(force, node).norm();
+      force_size = sum_over_ranks(force_size);
       test::check_close((after.linear - before.linear - dt * total(acting) -
                          alpha * total(impulse) + (1. - alpha) * total(iota))
                           .norm(),
@@ -483,7 +492,7 @@ namespace emmy
                      v_mapped[dim * active.nodes(group)[a] + d];
               result += 0.5 * points.component(cloud.layout["mass"])[p] * v * v;
             }
-      return result;
+      return sum_over_ranks(result);
     }
 
     template <int dim>
@@ -492,16 +501,17 @@ namespace emmy
     {
       const auto local = active.to_local(vector);
       Vector3    sum;
-      for (unsigned int node = 0; node < active.n_local_nodes(); ++node)
+      for (unsigned int node = 0; node < active.n_owned_nodes(); ++node)
         sum += in_space<dim>(local, node);
-      return sum;
+      return sum_over_ranks(sum);
     }
 
     template <int dim>
     Vector3
     OneStep<dim>::moment(const std::vector<double> &x, const Vector &a)
     {
-      const auto [sum, size] = cross<dim>(x, active.to_local(a));
+      const auto [sum, size] =
+        cross<dim>(x, active.to_local(a), active.n_owned_nodes());
       J_scale += size;
       return sum;
     }

@@ -80,12 +80,20 @@ namespace
         x[d] = d == 0 ? distance_from_edge : 1.3 + 0.1 * d;
         values[layout["half_length"] + d] = initial[d];
       }
-    particles.insert_particle(x,
-                              dealii::Point<dim>(),
-                              0,
-                              grid.cell_at(grid.lattice(x)),
-                              dealii::ArrayView<const double>(values.data(),
-                                                              values.size()));
+    // of several ranks the others have no particle, but their part in all that
+    const auto cell = grid.cell_at(grid.lattice(x));
+    const bool is_owner =
+      cell.state() == dealii::IteratorState::valid && cell->is_locally_owned();
+    test::check(dealii::Utilities::MPI::sum(is_owner ? 1 : 0, MPI_COMM_WORLD) ==
+                  1,
+                "one rank has the particle");
+    if (is_owner)
+      particles.insert_particle(x,
+                                dealii::Point<dim>(),
+                                0,
+                                cell,
+                                dealii::ArrayView<const double>(values.data(),
+                                                                values.size()));
     particles.update_cached_numbers();
 
     const auto           stencils = shape_functions.evaluate(particles, grid);
@@ -102,12 +110,16 @@ namespace
           u[dim * node + d] = motion[d];
       }
     PointArrays<dim> trial = points;
-    trial.set(layout["left_cauchy_green_less_unit"],
-              0,
-              mandel::symmetric_part<dim>(F * transpose(F), 1.) -
-                mandel::unit<dim>());
+    if (is_owner)
+      trial.set(layout["left_cauchy_green_less_unit"],
+                0,
+                mandel::symmetric_part<dim>(F * transpose(F), 1.) -
+                  mandel::unit<dim>());
     (*update)(stencils, points, active, u, trial);
-    return trial.template get<dim>(layout["half_length"], 0);
+    Tensor<1, dim> half_length;
+    if (is_owner)
+      half_length = trial.template get<dim>(layout["half_length"], 0);
+    return dealii::Utilities::MPI::sum(half_length, MPI_COMM_WORLD);
   }
 
   template <int dim>

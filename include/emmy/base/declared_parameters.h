@@ -86,8 +86,18 @@ namespace emmy
 
 
   /**
+   * A value as its entry's pattern reads it: the items of a list of numbers may
+   * stand between commas or semicolons, whichever the pattern knows.
+   *
+   * @param pattern as for in_words()
+   */
+  std::string
+  as_declared(const std::string &value, const std::string &pattern);
+
+  /**
    * What a value must be, in words: "a number, at least 0", "one of MPM,
-   * GIMP", "a list of 2 items separated by <,>, each a number". A pattern
+   * GIMP", "a list of 2 items separated by <,> or <;>, each a
+   * number". A pattern
    * that has no words here is returned as it is.
    *
    * @param pattern a pattern's description for machines

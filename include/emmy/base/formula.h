@@ -9,10 +9,18 @@
 namespace emmy
 {
   /**
+   * A list whose items stand between commas or semicolons, written with
+   * @p separator between them. Those in parentheses, as of the function
+   * min(x, y), separate nothing.
+   */
+  std::string
+  separated_by(const char separator, std::string list);
+
+  /**
    * Read formulas of a parameter: functions of the position x, y (and z), or
-   * of other variables, separated by ;, that may use pi. Throws ExcParameter
-   * for @p section and
-   * @p entry with the parser's complaint and @p remedy.
+   * of other variables, separated by , or ;, that may use pi. Throws
+   * ExcParameter for @p section and @p entry with the parser's complaint and
+   * @p remedy.
    *
    * @param n_components how many formulas there must be
    * @param remedy       what is expected, e.g. "Write 2 components, ..."

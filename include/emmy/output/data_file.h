@@ -8,6 +8,7 @@
 #include <deal.II/base/point.h>
 
 #include <array>
+#include <cstdint>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -35,6 +36,9 @@ namespace emmy
     unsigned int n_components = 1;
     std::string  unit;        ///< such as "Pa"; empty: dimensionless
     std::string  description; ///< one line
+    /** A scalar to be written as 64-bit integer, not in single precision;
+     * only for points. Exact up to 2^53, as it is passed as a double. */
+    bool is_integer = false;
   };
 
 
@@ -44,7 +48,9 @@ namespace emmy
    * rank adds what it owns, which may be nothing, then all call write().
    *
    * Made anew for each frame by the run loop; costs about 200 bytes a point.
-   * Values are stored in single precision, hence ids are exact up to 2^24.
+   * deal.II writes values in single precision, which is exact for integers up
+   * to 2^24. Fields that are integers, such as ids, are put into its text as
+   * arrays of type Int64.
    */
   template <int patch_dim, int dim>
   class DataFile : public dealii::DataOutInterface<patch_dim, dim>
@@ -56,6 +62,7 @@ namespace emmy
     /**
      * Throws ExcRun for a number of components that FieldDescription does not
      * list, and for a name that is empty or not unique.
+     * @pre integers are scalars of points
      */
     explicit DataFile(std::vector<FieldDescription> fields);
 
@@ -88,7 +95,8 @@ namespace emmy
     /**
      * Collective: write basename_FFFF.R.vtu on each rank R and, on rank 0,
      * basename_FFFF.pvtu that joins them; also list the fields in fields.txt,
-     * once. Throws ExcRun on all ranks if a file cannot be written.
+     * once. Each is whole or absent. Throws ExcRun on all ranks if one cannot
+     * be written.
      *
      * @param directory an existing folder
      * @param frame     FFFF, the number of the picture
@@ -118,8 +126,18 @@ namespace emmy
     std::vector<Range>
     get_nonscalar_data_ranges() const override;
 
-    const std::vector<FieldDescription>                     fields;
-    std::vector<std::string>                                names;
+    /** What deal.II writes of this rank, and the integers. */
+    std::string
+    piece() const;
+
+    /** The file that joins those of all ranks. */
+    std::string
+    record(const std::vector<std::string> &pieces) const;
+
+    const std::vector<FieldDescription> fields;
+    std::vector<std::string>            names;       ///< of what deal.II writes
+    std::vector<bool>                   is_integer;  ///< each value of a point
+    std::vector<std::vector<std::int64_t>> integers; ///< by field and point
     std::vector<dealii::DataOutBase::Patch<patch_dim, dim>> patches;
   };
 } // namespace emmy
