@@ -240,6 +240,9 @@ namespace emmy
       "- With GIMP and `Starved threshold = 0.02` a lone particle at a tip can "
       "feed two nodes; the mass matrix is then singular, the Jacobian is not "
       "(*A body shifted through a cell*, `tip, GIMP, followers`).\n"
+      "- With one particle per cell and direction in space Newton takes up to "
+      "some dozens of iterations in a step, with GIMP minutes: *Cantilevers at "
+      "default settings*. Take more points, or `Lumping` above 0.\n"
       "- A node between a soft and a stiff body follows the mean of both: "
       "condition 8e4 (*A million times as stiff*).\n"
       "- In impacts with steps of several cells the places of the middle need "
@@ -387,6 +390,7 @@ main(int argc, char *argv[])
   auto                                     all = stability::small_cuts();
   for (const auto &others : {stability::remedies(),
                              stability::hard_motions(),
+                             stability::cantilever_cases(),
                              stability::field_cases()})
     all.insert(all.end(), others.begin(), others.end());
   const std::string name = arguments.empty() ? "" : arguments[0];

@@ -193,6 +193,9 @@ namespace emmy
     remedies();
     std::vector<Case>
     hard_motions();
+    /** A plain scene in space. */
+    std::vector<Case>
+    cantilever_cases();
     /** Scenes of prm/field against their right values. */
     std::vector<Case>
     field_cases();
