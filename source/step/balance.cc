@@ -100,11 +100,11 @@ namespace emmy
       effect.couple(stencils, grid, boundary_conditions, result);
     });
     if (!mass_loss_entries().empty())
-      result.hand_out_mass = [this, phases](const ActiveGrid<dim> &active,
-                                            const MassReceiver    &receive) {
-        for_each(phases, &Effect<dim>::couples, [&](Effect<dim> &effect) {
-          effect.add_mass(active, receive);
-        });
+      // whoever receives books the time: it is part of inertia, of walls
+      result.hand_out_mass = [this](const ActiveGrid<dim> &active,
+                                    const MassReceiver    &receive) {
+        for (const auto &term : effects.terms)
+          term->add_mass(active, receive);
       };
     return result;
   }
