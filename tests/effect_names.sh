@@ -32,7 +32,7 @@ count 'ghost stabilisation' 'ghost.?(stab|face|mass|effect|stiff|penal)' \
   'ghost_stabilisation|ghost_faces' 4
 # the choice, its threshold and its price; words of two remedies
 count 'starved nodes' 'starved|aggregat' \
-  'starved_nodes|aggregation|roots' 8
+  'starved_nodes|aggregation|roots' 9
 # examples in the words of --help
 count 'gravity' 'gravity' 'gravity|field_load|effect' 4
 count 'point load' 'point.?load' 'point_load|field_load' 2

@@ -2,6 +2,7 @@
 #include <emmy/base/text.h>
 #include <emmy/effects/inertia.h>
 #include <emmy/effects/starved_nodes.h>
+#include <emmy/step/failure.h>
 #include <emmy/step/stepper.h>
 #include <emmy/step/velocity_map.h>
 #include <emmy/transfer/grid_to_particles.h>
@@ -77,7 +78,15 @@ namespace emmy
         if (solution.newton.is_converged)
           break;
         if (halvings == setting.limits.maximum_halvings)
-          give_up(solution);
+          give_up(FailedStep<dim>{solution.ground(),
+                                  *start,
+                                  solution.equation(),
+                                  solution.displacement,
+                                  solution.time_step,
+                                  solution.leaves_grid,
+                                  solution.newton.problem},
+                  setting,
+                  where());
         ++solution.halvings;
         const std::string halved =
           "halved to " + brief(0.5 * solution.time_step) + " s";
@@ -285,8 +294,8 @@ namespace emmy
                                              &setting.phases);
     if (result.is_solved)
       return;
-    const CutVerdict verdict =
-      verdict_on(examined_mass(start), "mass matrix", ground);
+    const CutVerdict verdict = verdict_on(
+      examined_mass(start), "mass matrix", ground, *start.active, setting);
     throw_together(setting.grid.communicator(),
                    where(),
                    "the velocity of the grid could not be found: " +
@@ -462,80 +471,8 @@ namespace emmy
     if (state.told.struggled || solution.leaves_grid)
       return;
     state.told.struggled = true;
-    solution.notes.push_back("  why, and why later ones: run.log. " + remedy());
-  }
-
-  template <int dim>
-  std::string
-  Stepper<dim>::remedy() const
-  {
-    std::vector<std::string> settings;
-    if (!setting.layout.has("half_length"))
-      settings.push_back("Method/Shape functions = GIMP");
-    if (!setting.method.balance.has(starved_nodes_effect))
-      settings.push_back("Method/Starved nodes = follow");
-    return settings.empty()
-             ? std::string()
-             : "What helps most often: " + join(settings, " and ") + ". ";
-  }
-
-  template <int dim>
-  CutVerdict
-  Stepper<dim>::verdict_on(const Matrix      &matrix,
-                           const std::string &name,
-                           const Ground<dim> &ground) const
-  {
-    CutVerdict result;
-    if (start->active->n_dofs() > largest_direct_size(dim))
-      return result;
-    const Diagnosis<dim> diagnosis = diagnose(
-      matrix, ground.stencils, ground.points, setting.layout, *start->active);
-    const double limit = setting.method.diagnosis.report_above;
-    result.text        = "; " + diagnosis.verdict(name, limit);
-    if (diagnosis.is_above(limit) && !diagnosis.nodes.empty())
-      result.remedy =
-        small_cut_remedy(setting.method.balance, setting.method.mapping);
-    return result;
-  }
-
-  template <int dim>
-  void
-  Stepper<dim>::give_up(Solution &solution) const
-  {
-    const std::string halved = ", with the step halved " +
-                               std::to_string(setting.limits.maximum_halvings) +
-                               " times to " + brief(solution.time_step) + " s";
-    throw_together(setting.grid.communicator(),
-                   where(),
-                   solution.leaves_grid ? solution.newton.problem + halved
-                                        : std::string(),
-                   "the last accepted state was kept. Enlarge the grid "
-                   "(Grid/Lower corner, Upper corner), end the run earlier "
-                   "(Time/End time), fix that side (Boundary conditions), or, "
-                   "where it is a wall already, take smaller steps "
-                   "(Time/Factor or Step size).");
-    // What Newton left may be damped. Where the equation has no meaning there
-    // is no derivative, but there is a mass.
-    CutVerdict verdict;
-    if (start->active->n_dofs() <= largest_direct_size(dim))
-      verdict =
-        solution.equation().evaluate(solution.displacement,
-                                     /*with_jacobian=*/true)
-          ? verdict_on(undamped_jacobian(solution.equation(),
-                                         *start,
-                                         solution.time_step),
-                       "Jacobian",
-                       solution.ground())
-          : verdict_on(examined_mass(*start), "mass matrix", solution.ground());
-    throw_together(
-      setting.grid.communicator(),
-      where(),
-      "Newton does not converge" + halved + ": " + solution.newton.problem +
-        verdict.text,
-      "the last accepted state was kept. " + remedy() + verdict.remedy +
-        "Use more Points per direction, a larger Solver/Maximum iterations, a "
-        "smaller Time/Factor or Step size, or a stiffer or finer model; "
-        "Time/Maximum halvings allows smaller steps.");
+    solution.notes.push_back("  why, and why later ones: run.log. " +
+                             usual_remedy(setting));
   }
 
   template <int dim>
@@ -563,27 +500,6 @@ namespace emmy
   }
 
   template <int dim>
-  std::string
-  Stepper<dim>::solver_name() const
-  {
-    return linear_solver ? linear_solver->name() : "none yet";
-  }
-
-  template <int dim>
-  const GridStart<dim> &
-  Stepper<dim>::grid_start() const
-  {
-    return *start;
-  }
-
-  template <int dim>
-  const Vector &
-  Stepper<dim>::grid_velocity() const
-  {
-    return velocity;
-  }
-
-  template <int dim>
   std::vector<double>
   Stepper<dim>::nodal_mass() const
   {
@@ -596,13 +512,6 @@ namespace emmy
     for (unsigned int node = 0; node < result.size(); ++node)
       result[node] = local[dim * node];
     return result;
-  }
-
-  template <int dim>
-  const StepDiagnosis<dim> *
-  Stepper<dim>::diagnosis() const
-  {
-    return findings.get();
   }
 
   template class Stepper<2>;

@@ -43,6 +43,81 @@ namespace emmy
       return std::make_shared<const dealii::Utilities::MPI::Partitioner>(
         grid.nodes()->locally_owned_range(), ghosts, grid.communicator());
     }
+
+    /** The active nodes that this rank owns, in the order of their places. */
+    template <int dim>
+    std::vector<global_dof_index>
+    owned_active_nodes(const Stencils<dim>       &stencils,
+                       const BackgroundGrid<dim> &grid)
+    {
+      // a node is active if any rank has a particle that reaches it
+      Exchange active(grid.nodes());
+      for (const global_dof_index id : stencils.node_ids)
+        active(id) = 1.;
+      active.compress(dealii::VectorOperation::add);
+
+      std::vector<global_dof_index> owned_ids;
+      for (unsigned int i = 0; i < active.locally_owned_size(); ++i)
+        if (active.local_element(i) > 0.)
+          owned_ids.push_back(grid.nodes()->local_to_global(i));
+      // the order must not depend on which part of the grid has cells
+      std::sort(owned_ids.begin(), owned_ids.end(), [&](auto a, auto b) {
+        return grid.node_lattice(a) < grid.node_lattice(b);
+      });
+      return owned_ids;
+    }
+
+    /** Nodes of others that this rank works on. */
+    template <int dim>
+    struct Elsewhere
+    {
+      /** Numbers and ids, sorted. */
+      std::vector<std::pair<global_dof_index, global_dof_index>> nodes;
+      /** By id, of those beyond this rank's part of the grid. */
+      std::map<global_dof_index, dealii::Point<dim>> positions;
+    };
+
+    /** @param number of all nodes that this rank knows, by id */
+    template <int dim>
+    Elsewhere<dim>
+    find_elsewhere(const Stencils<dim>       &stencils,
+                   const Couplings<dim>      &couplings,
+                   const Exchange            &number,
+                   const BackgroundGrid<dim> &grid)
+    {
+      Elsewhere<dim> result;
+      const auto     is_known = [&](const global_dof_index id) {
+        return grid.nodes()->in_local_range(id) ||
+               grid.nodes()->is_ghost_entry(id);
+      };
+      const auto add_ghost = [&](const global_dof_index id) {
+        if (!grid.nodes()->in_local_range(id))
+          result.nodes.emplace_back(static_cast<global_dof_index>(number(id)),
+                                    id);
+      };
+      for (const global_dof_index id : stencils.node_ids)
+        add_ghost(id);
+      for (const global_dof_index id : couplings.node_ids)
+        add_ghost(id);
+      // particles of another rank may reach into cells of this one
+      for (const auto &cell : stencils.active_cells)
+        for (const global_dof_index id : grid.node_ids(cell))
+          add_ghost(id);
+      for (const TiedNode<dim> &tied : couplings.tied_nodes)
+        {
+          add_ghost(tied.id);
+          for (const auto &master : tied.masters)
+            {
+              add_ghost(master.id);
+              if (!is_known(master.id))
+                result.positions[master.id] = master.position;
+            }
+        }
+      std::sort(result.nodes.begin(), result.nodes.end());
+      result.nodes.erase(std::unique(result.nodes.begin(), result.nodes.end()),
+                         result.nodes.end());
+      return result;
+    }
   } // namespace
 
   template <int dim>
@@ -112,21 +187,8 @@ namespace emmy
   void
   ActiveGrid<dim>::number_nodes(const Stencils<dim> &stencils)
   {
-    // a node is active if any rank has a particle that reaches it
-    Exchange active(grid.nodes());
-    for (const global_dof_index id : stencils.node_ids)
-      active(id) = 1.;
-    active.compress(dealii::VectorOperation::add);
-
-    std::vector<global_dof_index> owned_ids;
-    for (unsigned int i = 0; i < active.locally_owned_size(); ++i)
-      if (active.local_element(i) > 0.)
-        owned_ids.push_back(grid.nodes()->local_to_global(i));
-    // the order must not depend on which part of the grid has cells
-    std::sort(owned_ids.begin(), owned_ids.end(), [&](auto a, auto b) {
-      return grid.node_lattice(a) < grid.node_lattice(b);
-    });
-
+    const std::vector<global_dof_index> owned_ids =
+      owned_active_nodes(stencils, grid);
     const auto [first, n_nodes] =
       sum_below_and_total(owned_ids.size(), communicator());
     refuse_unknowns(dim * n_nodes);
@@ -139,36 +201,9 @@ namespace emmy
       number(owned_ids[i]) = first + i;
     number.update_ghost_values();
 
-    std::vector<std::pair<global_dof_index, global_dof_index>> ghosts;
-    std::map<global_dof_index, dealii::Point<dim>>             master_positions;
-    const auto is_known = [&](const global_dof_index id) {
-      return grid.nodes()->in_local_range(id) ||
-             grid.nodes()->is_ghost_entry(id);
-    };
-    const auto add_ghost = [&](const global_dof_index id) {
-      if (!grid.nodes()->in_local_range(id))
-        ghosts.emplace_back(static_cast<global_dof_index>(number(id)), id);
-    };
-    for (const global_dof_index id : stencils.node_ids)
-      add_ghost(id);
-    for (const global_dof_index id : couplings.node_ids)
-      add_ghost(id);
-    // particles of another rank may reach into cells of this one
-    for (const auto &cell : active_cells)
-      for (const global_dof_index id : grid.node_ids(cell))
-        add_ghost(id);
-    for (const TiedNode<dim> &tied : couplings.tied_nodes)
-      {
-        add_ghost(tied.id);
-        for (const auto &master : tied.masters)
-          {
-            add_ghost(master.id);
-            if (!is_known(master.id))
-              master_positions[master.id] = master.position;
-          }
-      }
-    std::sort(ghosts.begin(), ghosts.end());
-    ghosts.erase(std::unique(ghosts.begin(), ghosts.end()), ghosts.end());
+    const Elsewhere<dim> elsewhere =
+      find_elsewhere(stencils, couplings, number, grid);
+    const auto &ghosts = elsewhere.nodes;
 
     std::vector<global_dof_index> ids = owned_ids;
     for (unsigned int i = 0; i < owned_ids.size(); ++i)
@@ -180,8 +215,10 @@ namespace emmy
       }
     for (unsigned int i = 0; i < ids.size(); ++i)
       {
-        node_positions.push_back(is_known(ids[i]) ? grid.node_position(ids[i])
-                                                  : master_positions[ids[i]]);
+        const auto beyond = elsewhere.positions.find(ids[i]);
+        node_positions.push_back(beyond == elsewhere.positions.end()
+                                   ? grid.node_position(ids[i])
+                                   : beyond->second);
         local_index_of.emplace_back(ids[i], i);
       }
     std::sort(local_index_of.begin(), local_index_of.end());

@@ -19,8 +19,7 @@ namespace emmy
           "nor what starved nodes do; rows say what is set. With one particle "
           "per cell and direction, linear functions see neither mass nor "
           "strain of some motions of the nodes: Newton takes its time, "
-          "whatever starved nodes do. `Lumping` ends that, and books what it "
-          "costs.");
+          "whatever starved nodes do.");
         const std::string linear = "Method/Shape functions=linear";
         const auto        points = [](const unsigned int n) {
           return "Bodies/beam/Points per direction=" + std::to_string(n);
@@ -44,11 +43,7 @@ namespace emmy
                {"linear, 1 point",
                 "cantilever",
                 {linear, points(1), steps(5)},
-                40},
-               {"linear, 1 point, Lumping = 0.1",
-                "cantilever",
-                {linear, points(1), steps(5), "Method/Lumping=0.1"},
-                4}})
+                40}})
           {
             Run<3> run;
             run.file           = "stability/" + variant.file + ".prm";
@@ -62,7 +57,7 @@ namespace emmy
             if (run.is_stabilised)
               suite.at_most("work of residuals, of the energy",
                             result.residual_work,
-                            1e-11);
+                            1e-8); // what Newton's tolerance leaves
           }
       }
     } // namespace

@@ -33,16 +33,28 @@ namespace emmy
     advance() override;
 
     std::string
-    solver_name() const override;
+    solver_name() const override
+    {
+      return linear_solver ? linear_solver->name() : "none yet";
+    }
     /** Mass and momentum too. */
     const GridStart<dim> &
-    grid_start() const override;
+    grid_start() const override
+    {
+      return *start;
+    }
     const Vector &
-    grid_velocity() const override;
+    grid_velocity() const override
+    {
+      return velocity;
+    }
     std::vector<double>
     nodal_mass() const override;
     const StepDiagnosis<dim> *
-    diagnosis() const override;
+    diagnosis() const override
+    {
+      return findings.get();
+    }
 
   private:
     using Base = TimeIntegrator<dim>;
@@ -122,23 +134,12 @@ namespace emmy
     /** Estimate the conditions of both matrices of a solved step. */
     void
     examine(Solution &solution);
-    /** What is wrong with a matrix, in words; nothing where it is large. */
-    CutVerdict
-    verdict_on(const Matrix      &matrix,
-               const std::string &name,
-               const Ground<dim> &ground) const;
-    /** Say why the step fails at its smallest size. Throws on all ranks. */
-    void
-    give_up(Solution &solution) const;
     /** A short line for the screen, and a long one for the log. */
     void
     tell(Solution &solution, const std::string &what, const std::string &why);
     /** That places did not settle: once on the screen, always in the log. */
     void
     tell_of_held_places(Solution &solution);
-    /** What helps most often where Newton struggles; if it is not used yet. */
-    std::string
-    remedy() const;
 
     // what can be made again
     const SolverParameters       &solver_parameters;

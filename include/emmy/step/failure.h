@@ -1,0 +1,43 @@
+#ifndef emmy_step_failure_h
+#define emmy_step_failure_h
+
+#include <emmy/step/time_integrator.h>
+
+namespace emmy
+{
+  /** A step that found no solution at its smallest size. */
+  template <int dim>
+  struct FailedStep
+  {
+    const Ground<dim>    &ground;
+    const GridStart<dim> &start;
+    StepEquation<dim>    &equation;
+    const Vector         &displacement; ///< where Newton ended, m
+    double                time_step;    ///< s
+    bool                  leaves_grid;  ///< a particle would
+    std::string           problem;      ///< in words
+  };
+
+  /** What helps most often where Newton struggles, if it is not used yet. */
+  template <int dim>
+  std::string
+  usual_remedy(const StepSetting<dim> &setting);
+
+  /** What is wrong with a matrix, in words; nothing where it is large. */
+  template <int dim>
+  CutVerdict
+  verdict_on(const Matrix           &matrix,
+             const std::string      &name,
+             const Ground<dim>      &ground,
+             const ActiveGrid<dim>  &active,
+             const StepSetting<dim> &setting);
+
+  /** Say why a step fails. Throws ExcRun on all ranks. Collective. */
+  template <int dim>
+  void
+  give_up(const FailedStep<dim>  &step,
+          const StepSetting<dim> &setting,
+          const std::string      &where);
+} // namespace emmy
+
+#endif
