@@ -193,14 +193,16 @@ namespace emmy
            const StepEquation<dim> &equation,
            const FieldLayout       &layout,
            const PointMapping      &mapping,
-           const Vector            &displacement,
-           const Vector            &velocity_new,
-           const double             kinetic_energy)
+           const GridMotion        &motion)
   {
     StepAccounts result;
-    add_works(
-      step.start, equation, mapping, displacement, velocity_new, result);
-    result.hidden_kinetic_energy += kinetic_energy;
+    add_works(step.start,
+              equation,
+              mapping,
+              motion.displacement,
+              motion.velocity,
+              result);
+    result.hidden_kinetic_energy += motion.kinetic_energy;
     const bool has_losses = mapping.lumping > 0. || mapping.flip_fraction < 1.;
     if (has_losses)
       {
@@ -214,10 +216,10 @@ namespace emmy
                            layout,
                            mapping,
                            active.to_local(step.start.mapped_velocity),
-                           active.to_local(velocity_new),
+                           active.to_local(motion.velocity),
                            result);
       }
-    Vector change = velocity_new;
+    Vector change = motion.velocity;
     change -= step.start.mapped_velocity;
     result.mass_losses =
       balance.mass_losses(*step.start.active, change, step.phases);
@@ -244,16 +246,12 @@ namespace emmy
               const StepEquation<2> &,
               const FieldLayout &,
               const PointMapping &,
-              const Vector &,
-              const Vector &,
-              const double);
+              const GridMotion &);
   template StepAccounts
   accounts<3>(const StepData<3> &,
               const Balance<3> &,
               const StepEquation<3> &,
               const FieldLayout &,
               const PointMapping &,
-              const Vector &,
-              const Vector &,
-              const double);
+              const GridMotion &);
 } // namespace emmy

@@ -377,9 +377,9 @@ namespace emmy
                                         equation,
                                         setting.layout,
                                         setting.method.mapping,
-                                        solution.displacement,
-                                        solution.velocity,
-                                        kinetic_energy);
+                                        GridMotion{solution.displacement,
+                                                   solution.velocity,
+                                                   kinetic_energy});
     for (const EnergyEntry &entry :
          account_entries(books,
                          setting.method.mapping,

@@ -176,14 +176,13 @@ namespace emmy
                               trial)
                     .empty(),
                   what + ": no particle leaves the grid");
-      books = accounts(step,
-                       *cloud.balance,
-                       *equation,
-                       cloud.layout,
-                       mapping,
-                       u,
-                       v_new,
-                       motion(points, cloud.layout).energy);
+      books =
+        accounts(step,
+                 *cloud.balance,
+                 *equation,
+                 cloud.layout,
+                 mapping,
+                 GridMotion{u, v_new, motion(points, cloud.layout).energy});
     }
 
     template <int dim>

@@ -81,10 +81,15 @@ namespace emmy
                      const std::vector<double> &velocity_new,
                      StepAccounts              &result);
 
-  /**
-   * The accounts of a solved step, summed over the ranks. Collective.
-   * @param kinetic_energy of the particles at the start of the step, J
-   */
+  /** How the grid moves in a solved step. */
+  struct GridMotion
+  {
+    const Vector &displacement;   ///< u, m
+    const Vector &velocity;       ///< at t + dt, m/s
+    const double  kinetic_energy; ///< of the particles at t, J
+  };
+
+  /** The accounts of a solved step, summed over the ranks. Collective. */
   template <int dim>
   StepAccounts
   accounts(const StepData<dim>     &step,
@@ -92,9 +97,7 @@ namespace emmy
            const StepEquation<dim> &equation,
            const FieldLayout       &layout,
            const PointMapping      &mapping,
-           const Vector            &displacement,
-           const Vector            &velocity_new,
-           const double             kinetic_energy);
+           const GridMotion        &motion);
 } // namespace emmy
 
 #endif
