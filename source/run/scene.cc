@@ -8,11 +8,9 @@
 #include <emmy/run/scene.h>
 #include <emmy/run/scene_card.h>
 #include <emmy/step/explicit_stepper.h>
-#include <emmy/step/step_size.h>
 #include <emmy/step/stepper.h>
 
 #include <algorithm>
-#include <cmath>
 #include <iomanip>
 #include <ostream>
 

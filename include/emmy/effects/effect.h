@@ -51,7 +51,7 @@ namespace emmy
    * An effect, or a part of one: whatever acts in a scene beside the grid and
    * the particles. Its hooks are called in the order of a step, and do nothing
    * by default. What it finds in a step (faces, roots) it keeps itself, until
-   * it is asked to find it anew; nothing else outlives a step in it.
+   * it is asked to find it anew; of older steps, what it counts changes of.
    *
    * Owned by the balance. All hooks but add_load() and add_load_at_points()
    * are collective.

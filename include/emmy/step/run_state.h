@@ -34,9 +34,9 @@ namespace emmy
   };
 
   /**
-   * All that one step hands to the next: from this and the parameters a run can
-   * go on. Steppers, effects, ledger and frames keep nothing else but what can
-   * be made again. Owned by the scene.
+   * What one step hands to the next: from this and the parameters a run can go
+   * on. Steppers, ledger and frames keep what can be made again; an effect also
+   * that of the step before of which it counts changes. Owned by the scene.
    */
   template <int dim>
   struct RunState
