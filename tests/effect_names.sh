@@ -1,7 +1,8 @@
 #!/bin/sh
 # An effect is all in one place: outside its own files its name occurs in the
-# library of effects, the scene's defaults and messages only. Counts the files
-# and names those that are too many.
+# library of effects, the scene's defaults and messages only. So is the lattice
+# of the grid: others ask a cell for its size, and rely on equal cells in a few
+# places. Counts the files and names those that are too many.
 #
 # Usage: effect_names.sh SOURCE_ROOT
 set -eu
@@ -36,6 +37,20 @@ count 'starved nodes' 'starved|aggregat' \
 # examples in the words of --help
 count 'gravity' 'gravity' 'gravity|field_load|effect' 4
 count 'point load' 'point.?load' 'point_load|field_load' 2
+# the parameters, who makes them, words of a scene, the column of a picture
+count 'moving walls' 'moving.?wall|wall_(velocit|displace|travel)' 'moving_walls' 4
+count 'wall mapping' 'wall.?mapping|(inelastic|unconstrained).?wall|wall_loss' \
+  'wall_mapping' 5
 count 'manufactured solution' 'manufactured' \
   'manufactured_solution|exact_motion' 1
+
+# equal cells: spacing of particles, GIMP, faces of ghosts, words of a scene, ...
+equal=$(grep -rlE 'Lattice|cell_size' include source | grep -v /grid/ || true)
+n=$(printf '%s' "$equal" | grep -c . || true)
+printf '%-24s %2d of at most 8 files outside grid\n' 'equal cells' "$n"
+if [ "$n" -gt 8 ]; then
+  printf '%s\n' "$equal" | sed 's/^/  /'
+  echo "  Ask the grid for size_of() a cell or size_at() a position."
+  failed=1
+fi
 exit $failed

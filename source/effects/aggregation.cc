@@ -13,19 +13,6 @@ namespace emmy
     /** A cell takes no root that is more layers of cells away. */
     constexpr unsigned int farthest_layer = 2;
 
-    /** int N_A, m^dim. */
-    template <int dim>
-    double
-    volume_of_node(const typename BackgroundGrid<dim>::Lattice &place,
-                   const BackgroundGrid<dim>                   &grid)
-    {
-      double volume = 1.;
-      for (unsigned int d = 0; d < dim; ++d)
-        volume *= (place[d] == 0 || place[d] == grid.n_cells()[d] ? 0.5 : 1.) *
-                  grid.cell_size()[d];
-      return volume;
-    }
-
     /**
      * Mass of the nodes as a part of what a full body gives; below zero where
      * no particle reaches. Ghosts are up to date. Collective.
@@ -67,7 +54,7 @@ namespace emmy
             density.local_element(i) > 0.
               ? std::max(0., total.local_element(i)) /
                   (density.local_element(i) *
-                   volume_of_node<dim>(grid.node_lattice(id), grid))
+                   grid.volume_of_node(grid.node_position(id)))
               : -1.;
         }
       part.update_ghost_values();
@@ -105,7 +92,7 @@ namespace emmy
                  without;
           double best = -1.;
           for (const auto &cell : stencils.active_cells)
-            if (roots.find(grid.lattice(cell)) == roots.end())
+            if (roots.find(grid.key_of(cell)) == roots.end())
               {
                 double least = std::numeric_limits<double>::max();
                 for (const auto id : grid.node_ids(cell))
@@ -169,29 +156,20 @@ namespace emmy
                           const BackgroundGrid<dim>            &grid)
     : node_id(node_id)
   {
-    constexpr unsigned int    n_vertices = BackgroundGrid<dim>::nodes_per_cell;
-    const Lattice            &node       = grid.node_lattice(node_id);
-    std::map<Lattice, Master> by_place;
+    constexpr unsigned int n_vertices = BackgroundGrid<dim>::nodes_per_cell;
+    const CellKey<dim>    &node       = grid.node_key(node_id);
+    std::map<CellKey<dim>, Master> by_place;
     for (const Root<dim> &root : roots_of_node)
       {
         roots.push_back(root.cell);
-        std::array<double, n_vertices> weights;
-        weights.fill(1.);
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            const int across = int(node[d]) - int(root.cell[d]);
-            for (unsigned int v = 0; v < n_vertices; ++v)
-              weights[v] *= (v >> d) & 1 ? across : 1 - across;
-            distance = std::max<int>(distance, std::max(-across, across - 1));
-          }
+        const auto weights = continued<dim>(root.cell, node);
+        distance = std::max(distance, layers_between<dim>(node, root.cell));
         for (unsigned int v = 0; v < n_vertices; ++v)
           {
-            Lattice place = root.cell;
-            for (unsigned int d = 0; d < dim; ++d)
-              place[d] += (v >> d) & 1;
-            Master &master = by_place[place];
-            master.id      = root.ids[v];
-            master.place   = place;
+            const auto place  = node_of<dim>(root.cell, v);
+            Master    &master = by_place[place];
+            master.id         = root.ids[v];
+            master.place      = place;
             master.weight += weights[v];
           }
       }
@@ -251,7 +229,7 @@ namespace emmy
       }
     for (unsigned int i = 0; i < part.locally_owned_size(); ++i)
       if (part.local_element(i) >= 0.)
-        classes.active.emplace_back(grid.node_lattice(
+        classes.active.emplace_back(grid.node_key(
                                       grid.nodes()->local_to_global(i)),
                                     classes.fed.local_element(i) > 0.);
     std::sort(classes.active.begin(), classes.active.end());
@@ -287,7 +265,7 @@ namespace emmy
       if (is_starved(i))
         {
           const auto id = grid.nodes()->local_to_global(i);
-          auto nearest  = nearest_roots(roots, grid.node_lattice(id), grid);
+          auto nearest  = nearest_roots<dim>(roots, grid.node_key(id), grid);
           if (!nearest.empty())
             chosen[id] = std::move(nearest);
         }
@@ -302,8 +280,7 @@ namespace emmy
     std::sort(result.followers.begin(),
               result.followers.end(),
               [&](const auto &a, const auto &b) {
-                return grid.node_lattice(a.node_id) <
-                       grid.node_lattice(b.node_id);
+                return grid.node_key(a.node_id) < grid.node_key(b.node_id);
               });
     for (const Follower<dim> &follower : result.followers)
       {

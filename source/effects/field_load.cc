@@ -28,7 +28,7 @@ namespace emmy
             nodal += S[p] * weight[group.first_point + p];
           const unsigned int node = step.start.active->nodes(group)[a];
           for (unsigned int c = 0; c < dim; ++c)
-            local_force[dim * node + c] += nodal * q[c];
+            local_force[unknown<dim>(node, c)] += nodal * q[c];
         }
   }
 

@@ -23,10 +23,7 @@ namespace emmy
     };
 
     template <int dim>
-    using Lattice = typename BackgroundGrid<dim>::Lattice;
-
-    template <int dim>
-    using ActiveCells = std::map<Lattice<dim>, CellData>;
+    using ActiveCells = std::map<CellKey<dim>, CellData>;
 
     /** The active cells that this rank owns. Collective. */
     template <int dim>
@@ -36,10 +33,10 @@ namespace emmy
                 const std::vector<const Material<dim> *> &material_of_body)
     {
       ActiveCells<dim> cells;
-      for (const auto &[body, lattice] : owned_active_cells(stencils, grid))
+      for (const auto &[body, key] : owned_active_cells(stencils, grid))
         {
           const Material<dim> &material = *material_of_body[body];
-          cells[lattice].include(material.density(), material.p_wave_modulus());
+          cells[key].include(material.density(), material.p_wave_modulus());
         }
       return cells;
     }
@@ -52,43 +49,35 @@ namespace emmy
       using Data = std::array<double, 3>;
       exchange_beside<Data>(
         grid,
-        [&](const Lattice<dim> &lattice) {
-          const auto found = cells.find(lattice);
+        [&](const CellKey<dim> &key) {
+          const auto found = cells.find(key);
           return found == cells.end()
                    ? Data{{-1., -1., -1.}}
                    : Data{{found->second.density,
                            found->second.modulus,
                            found->second.is_boundary ? 1. : 0.}};
         },
-        [&](const Lattice<dim> &lattice, const Data &data) {
+        [&](const CellKey<dim> &key, const Data &data) {
           if (data[0] >= 0.)
-            cells[lattice] = {data[0], data[1], data[2] > 0.};
+            cells[key] = {data[0], data[1], data[2] > 0.};
         });
     }
 
     /** Whether an active cell is at the boundary of the body. */
     template <int dim>
     bool
-    is_boundary(const Lattice<dim>            &lattice,
+    is_boundary(const CellKey<dim>            &key,
                 const ActiveCells<dim>        &cells,
                 const BackgroundGrid<dim>     &grid,
                 const BoundaryConditions<dim> &boundary_conditions)
     {
-      for (unsigned int d = 0; d < dim; ++d)
-        for (const bool is_upper : {false, true})
-          {
-            const unsigned int end = is_upper ? grid.n_cells()[d] - 1 : 0;
-            if (lattice[d] == end)
-              {
-                if (!boundary_conditions.is_wall(2 * d + is_upper))
-                  return true;
-                continue;
-              }
-            Lattice<dim> neighbour = lattice;
-            neighbour[d] += is_upper ? 1 : -1;
-            if (cells.find(neighbour) == cells.end())
-              return true;
-          }
+      for (unsigned int face = 0; face < 2 * dim; ++face)
+        {
+          const auto neighbour = grid.neighbour(key, face);
+          if (neighbour ? cells.find(*neighbour) == cells.end()
+                        : !boundary_conditions.is_wall(face))
+            return true;
+        }
       return false;
     }
   } // namespace
@@ -96,7 +85,7 @@ namespace emmy
   template <int dim>
   dealii::FullMatrix<double>
   ghost_matrix(const unsigned int            direction,
-               const dealii::Tensor<1, dim> &cell_size)
+               const dealii::Tensor<1, dim> &sides)
   {
     constexpr unsigned int      n = GhostFace<dim>::nodes_per_layer;
     const std::array<double, 3> jump{{1., -2., 1.}};
@@ -105,14 +94,14 @@ namespace emmy
     for (unsigned int i = 0; i < J.m(); ++i)
       for (unsigned int j = 0; j < J.n(); ++j)
         {
-          J(i, j) = cell_size[direction] / 3. * jump[i / n] * jump[j / n];
+          J(i, j) = sides[direction] / 3. * jump[i / n] * jump[j / n];
           // the mass matrix of the face, direction by direction
           for (unsigned int d = 0, bit = 0; d < dim; ++d)
             if (d != direction)
               {
                 const bool is_same =
                   ((i % n) >> bit) % 2 == ((j % n) >> bit) % 2;
-                J(i, j) *= cell_size[d] / 6. * (is_same ? 2. : 1.);
+                J(i, j) *= sides[d] / 6. * (is_same ? 2. : 1.);
                 ++bit;
               }
         }
@@ -139,36 +128,37 @@ namespace emmy
     ActiveCells<dim> cells = owned_cells(stencils, grid, material_of_body);
     const ActiveCells<dim> owned = cells;
     // neighbours must be known to find the boundary, and then theirs
-    exchange(grid, cells);
-    for (const auto &[lattice, data] : owned)
+    exchange<dim>(grid, cells);
+    for (const auto &[key, data] : owned)
       {
         (void)data;
-        cells[lattice].is_boundary =
-          is_boundary(lattice, cells, grid, boundary_conditions);
+        cells[key].is_boundary =
+          is_boundary<dim>(key, cells, grid, boundary_conditions);
       }
-    exchange(grid, cells);
+    exchange<dim>(grid, cells);
 
     std::vector<GhostFace<dim>> faces;
-    for (const auto &[lattice, old_data] : owned)
+    for (const auto &[key, old_data] : owned)
       for (unsigned int d = 0; d < dim; ++d)
         {
           (void)old_data;
-          Lattice<dim> upper_lattice = lattice;
-          ++upper_lattice[d];
-          const auto      upper = cells.find(upper_lattice);
-          const CellData &lower = cells[lattice];
+          const auto upper_key = grid.neighbour(key, 2 * d + 1);
+          if (!upper_key)
+            continue;
+          const auto      upper = cells.find(*upper_key);
+          const CellData &lower = cells[key];
           if (upper == cells.end() ||
               !(lower.is_boundary || upper->second.is_boundary))
             continue;
           GhostFace<dim> face;
           face.direction = d;
-          const double h = grid.cell_size()[d];
+          const double h = grid.size_of(key)[d];
           face.mass =
             mass_penalty * std::max(lower.density, upper->second.density);
           face.stiffness = stiffness_penalty / (h * h) *
                            std::max(lower.modulus, upper->second.modulus);
-          const auto lower_ids = grid.node_ids(grid.cell_at(lattice)),
-                     upper_ids = grid.node_ids(grid.cell_at(upper_lattice));
+          const auto lower_ids = grid.node_ids(grid.cell_at(key)),
+                     upper_ids = grid.node_ids(grid.cell_at(*upper_key));
           for (unsigned int v = 0, low = 0, high = 0; v < lower_ids.size(); ++v)
             if ((v >> d) % 2 == 0)
               face.node_ids[low++] = lower_ids[v];

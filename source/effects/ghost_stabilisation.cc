@@ -76,7 +76,7 @@ namespace emmy
     const BoundaryConditions<dim> &boundary_conditions,
     Couplings<dim>                &couplings)
   {
-    if (matrices[0].m() == 0)
+    if (matrices[0].m() == 0) // the same for all faces of a direction
       for (unsigned int d = 0; d < dim; ++d)
         matrices[d] = ghost_matrix<dim>(d, grid.cell_size());
     faces      = find(stencils, grid, boundary_conditions);
@@ -147,7 +147,8 @@ namespace emmy
           for (unsigned int b = 0; b < n; ++b)
             for (unsigned int c = 0; c < dim; ++c)
               sum += faces[f].*coefficient * J(a, b) *
-                     local[dim * node[a] + c] * local[dim * node[b] + c];
+                     local[unknown<dim>(node[a], c)] *
+                     local[unknown<dim>(node[b], c)];
       }
     return sum;
   }
@@ -181,8 +182,8 @@ namespace emmy
             for (unsigned int c = 0; c < dim; ++c)
               {
                 const double k = 0.5 * face.stiffness * J(a, b);
-                local_force[dim * node[a] + c] +=
-                  k * iterate.local_displacement[dim * node[b] + c];
+                local_force[unknown<dim>(node[a], c)] +=
+                  k * iterate.local_displacement[unknown<dim>(node[b], c)];
                 stiffness(dim * a + c, dim * b + c) = k;
               }
         if (jacobian)

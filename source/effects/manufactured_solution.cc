@@ -64,7 +64,7 @@ namespace emmy
                   nodal += S[p] * m[group.first_point + p] * b[p];
                 const unsigned int node = step.start.active->nodes(group)[a];
                 for (unsigned int c = 0; c < dim; ++c)
-                  local_force[dim * node + c] += nodal[c];
+                  local_force[unknown<dim>(node, c)] += nodal[c];
               }
           }
       }

@@ -85,15 +85,16 @@ namespace emmy
         {
           const unsigned int *nodes = step.start.active->nodes(group);
           const std::size_t   p     = group.first_point + q;
+          const auto         &sides =
+            rules.grid.size_of(places.cells[step.stencils.order[p]]);
           for (unsigned int d = 0; d < dim; ++d)
             {
               double x = step.points.position(d)[p];
               for (unsigned int a = 0; a < group.n_nodes; ++a)
                 x += 0.5 * step.stencils.value(group, a)[q] *
-                     u[dim * nodes[a] + d];
+                     u[unknown<dim>(nodes[a], d)];
               x -= places.positions[step.stencils.order[p]][d];
-              defect =
-                std::max(defect, std::abs(x) / rules.grid.cell_size()[d]);
+              defect = std::max(defect, std::abs(x) / sides[d]);
             }
         }
   }
@@ -107,7 +108,7 @@ namespace emmy
     const unsigned int *nodes = points.step.start.active->nodes(points.group);
     for (unsigned int c = 0; c < dim; ++c)
       for (unsigned int a = 0; a < n; ++a)
-        work.u[c][a] = points.local_displacement[dim * nodes[a] + c];
+        work.u[c][a] = points.local_displacement[unknown<dim>(nodes[a], c)];
     work.matrix.reinit(dim * n, dim * n);
     for (unsigned int i = 0; i < points.batch.n_points; ++i)
       add_point(points, i);
@@ -177,14 +178,14 @@ namespace emmy
                                         p,
                                         points.group.body,
                                         points.middle.from_start(in_batch));
+    const auto   &sides = rules.grid.size_of(places.cells[i]);
     Tensor<1, nq> from_place; // Q - q
     Tensor<2, nq> matrix;     // I - Q_q
     for (unsigned int d = 0; d < dim; ++d)
       {
         from_place[d] = step.points.position(d)[p] + 0.5 * motion.Su[d] -
                         places.positions[i][d];
-        defect =
-          std::max(defect, std::abs(from_place[d]) / rules.grid.cell_size()[d]);
+        defect = std::max(defect, std::abs(from_place[d]) / sides[d]);
         if (has_box)
           from_place[dim + d] = box.half_length[d] - places.half_lengths[i][d];
         for (unsigned int k = 0; k < nq; ++k)
@@ -266,7 +267,7 @@ namespace emmy
           double sum = 0.;
           for (unsigned int k = 0; k < nq; ++k)
             sum += work.force_by_q[k][i][a] * shift[k];
-          share[dim * nodes[a] + i] += sum;
+          share[unknown<dim>(nodes[a], i)] += sum;
         }
   }
 
@@ -345,7 +346,7 @@ namespace emmy
           for (unsigned int a = 0; a < group.n_nodes; ++a)
             for (unsigned int d = 0; d < dim; ++d)
               Su[d] += step.stencils.value(group, a)[q] *
-                       increment[dim * nodes[a] + d];
+                       increment[unknown<dim>(nodes[a], d)];
           const auto L =
             step.stencils.displacement_gradient(group, q, nodes, increment);
           for (unsigned int k = 0; k < nq; ++k)
@@ -366,7 +367,7 @@ namespace emmy
                 result.half_lengths[i][d] += change[dim + d];
             }
           result.positions[i] = rules.grid.clamped(x);
-          result.cells[i]     = rules.grid.lattice(result.positions[i]);
+          result.cells[i]     = rules.grid.key_of(result.positions[i]);
         }
     return result;
   }

@@ -10,9 +10,6 @@ namespace emmy
   {
     using dealii::types::global_dof_index;
 
-    template <int dim>
-    using Lattice = typename BackgroundGrid<dim>::Lattice;
-
     /** A root as ranks send it: its place and its nodes. */
     template <int dim>
     using Entry =
@@ -48,7 +45,7 @@ namespace emmy
       using Data = std::vector<Entry<dim>>;
       exchange_beside<Data>(
         grid,
-        [&](const Lattice<dim> &place) {
+        [&](const CellKey<dim> &place) {
           Data       data;
           const auto found = roots.find(place);
           if (found != roots.end())
@@ -56,7 +53,7 @@ namespace emmy
               data.push_back(packed(root));
           return data;
         },
-        [&](const Lattice<dim> &place, const Data &data) {
+        [&](const CellKey<dim> &place, const Data &data) {
           if (data.empty())
             return;
           auto &found = roots[place];
@@ -66,23 +63,15 @@ namespace emmy
         });
     }
 
-    /**
-     * All roots of the cells of a box that is n cells wide, sorted.
-     * @param first lower corner of the box; may be outside the grid
-     */
+    /** All roots of some cells, sorted. */
     template <int dim>
     std::vector<Root<dim>>
-    roots_in(const Roots<dim>           &roots,
-             const std::array<int, dim> &first,
-             const int                   n)
+    roots_in(const Roots<dim> &roots, const std::vector<CellKey<dim>> &cells)
     {
       std::vector<Root<dim>> result;
-      for (int i = 0; i < dealii::Utilities::pow(n, dim); ++i)
+      for (const CellKey<dim> &cell : cells)
         {
-          Lattice<dim> place;
-          for (int d = 0, rest = i; d < dim; ++d, rest /= n)
-            place[d] = first[d] + rest % n; // below zero: no cell has it
-          const auto found = roots.find(place);
+          const auto found = roots.find(cell);
           if (found != roots.end())
             result.insert(result.end(),
                           found->second.begin(),
@@ -90,16 +79,6 @@ namespace emmy
         }
       std::sort(result.begin(), result.end());
       result.erase(std::unique(result.begin(), result.end()), result.end());
-      return result;
-    }
-
-    template <int dim>
-    std::array<int, dim>
-    one_below(const Lattice<dim> &place)
-    {
-      std::array<int, dim> result;
-      for (unsigned int d = 0; d < dim; ++d)
-        result[d] = int(place[d]) - 1;
       return result;
     }
   } // namespace
@@ -112,11 +91,11 @@ namespace emmy
              const unsigned int         n_layers)
   {
     Roots<dim>                roots;
-    std::vector<Lattice<dim>> without;
+    std::vector<CellKey<dim>> without;
     for (const auto &cell : stencils.active_cells)
       {
         const auto ids   = grid.node_ids(cell);
-        const auto place = grid.lattice(cell);
+        const auto place = grid.key_of(cell);
         if (std::all_of(ids.begin(), ids.end(), [&](const auto id) {
               return is_fed(id) > 0.;
             }))
@@ -124,13 +103,13 @@ namespace emmy
         else
           without.push_back(place);
       }
-    exchange(grid, roots);
+    exchange<dim>(grid, roots);
     for (unsigned int layer = 0; layer < n_layers; ++layer)
       {
         Roots<dim> found;
-        for (const Lattice<dim> &place : without)
+        for (const CellKey<dim> &place : without)
           {
-            auto of_place = roots_in<dim>(roots, one_below<dim>(place), 3);
+            auto of_place = roots_in<dim>(roots, grid.cells_around(place));
             if (!of_place.empty())
               found[place] = std::move(of_place);
           }
@@ -139,12 +118,12 @@ namespace emmy
           break;
         without.erase(std::remove_if(without.begin(),
                                      without.end(),
-                                     [&](const Lattice<dim> &place) {
+                                     [&](const CellKey<dim> &place) {
                                        return found.count(place) > 0;
                                      }),
                       without.end());
         roots.insert(found.begin(), found.end());
-        exchange(grid, roots);
+        exchange<dim>(grid, roots);
       }
     return roots;
   }
@@ -152,24 +131,17 @@ namespace emmy
   template <int dim>
   std::vector<Root<dim>>
   nearest_roots(const Roots<dim>          &roots,
-                const Lattice<dim>        &node,
+                const CellKey<dim>        &node,
                 const BackgroundGrid<dim> &grid)
   {
-    auto       result   = roots_in<dim>(roots, one_below<dim>(node), 2);
+    auto       result   = roots_in<dim>(roots, grid.cells_at_node(node));
     const auto distance = [&](const Root<dim> &root) {
-      double square = 0.;
-      for (unsigned int d = 0; d < dim; ++d)
-        {
-          const double x =
-            (int(root.cell[d]) - int(node[d]) + 0.5) * grid.cell_size()[d];
-          square += x * x;
-        }
-      return std::sqrt(square);
+      return grid.from_node_to_center(node, root.cell).norm();
     };
     double least = std::numeric_limits<double>::max();
     for (const Root<dim> &root : result)
       least = std::min(least, distance(root));
-    least += tie * grid.smallest_cell_size();
+    least += tie * grid.shortest_side();
     result.erase(std::remove_if(result.begin(),
                                 result.end(),
                                 [&](const Root<dim> &root) {
@@ -240,11 +212,11 @@ namespace emmy
                 const unsigned int);
   template std::vector<Root<2>>
   nearest_roots<2>(const Roots<2> &,
-                   const BackgroundGrid<2>::Lattice &,
+                   const CellKey<2> &,
                    const BackgroundGrid<2> &);
   template std::vector<Root<3>>
   nearest_roots<3>(const Roots<3> &,
-                   const BackgroundGrid<3>::Lattice &,
+                   const CellKey<3> &,
                    const BackgroundGrid<3> &);
   template std::map<global_dof_index, std::vector<Root<2>>>
   share_roots<2>(std::map<global_dof_index, std::vector<Root<2>>>,

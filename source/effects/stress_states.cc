@@ -361,7 +361,7 @@ namespace emmy
                 sum[i] += stress[i][j][q] * slope[q];
           }
         for (unsigned int i = 0; i < dim; ++i)
-          force[dim * nodes[a] + i] += sum[i];
+          force[unknown<dim>(nodes[a], i)] += sum[i];
       }
   }
 

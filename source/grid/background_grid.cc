@@ -13,53 +13,6 @@
 namespace emmy
 {
   template <int dim>
-  GridParameters<dim>::GridParameters(const std::string &section)
-    : Section(section)
-  {
-    this->add_parameter("Lower corner",
-                        lower_corner,
-                        "Coordinates of the grid's lower corner. Unit: m.");
-    this->add_parameter("Upper corner",
-                        upper_corner,
-                        "Coordinates of the grid's upper corner. Unit: m. "
-                        "Required: above the lower corner in each direction.");
-    this->add_parameter("Cells",
-                        cells,
-                        "Number of equal cells per direction. Required. "
-                        "Where no body is near they cost nothing, but for a "
-                        "body that is an expression without corners.",
-                        this->prm,
-                        dealii::Patterns::List(dealii::Patterns::Integer(0),
-                                               dim,
-                                               dim));
-  }
-
-  template <int dim>
-  void
-  GridParameters<dim>::validate() const
-  {
-    const std::string section = this->path();
-    for (unsigned int d = 0; d < dim; ++d)
-      {
-        AssertThrow(cells[d] > 0,
-                    ExcParameter(section,
-                                 "Cells",
-                                 dealii::Patterns::Tools::to_string(cells),
-                                 "the number of cells in each direction is "
-                                 "required and must be at least 1."));
-        AssertThrow(
-          upper_corner[d] > lower_corner[d],
-          ExcParameter(section,
-                       "Upper corner",
-                       dealii::Patterns::Tools::to_string(upper_corner),
-                       "must lie above the lower corner (" +
-                         dealii::Patterns::Tools::to_string(lower_corner) +
-                         ") in each direction. Coordinates are in m."));
-      }
-    refuse_lattice(cells);
-  }
-
-  template <int dim>
   BackgroundGrid<dim>::BackgroundGrid(const GridParameters<dim> &parameters,
                                       const MPI_Comm             communicator,
                                       const Cells                at_start)
@@ -88,7 +41,7 @@ namespace emmy
   void
   BackgroundGrid<dim>::cover(const std::vector<Occupied> &occupied)
   {
-    std::vector<Lattice> places;
+    std::vector<CellKey<dim>> places;
     for (const Occupied &cell : occupied)
       places.push_back(cell.first);
     part = Window<dim>::around(places, counts, communicator());
@@ -111,13 +64,13 @@ namespace emmy
     // as if blocks shared no nodes
     refuse_cells(n_blocks * std::pow(across, dim),
                  n_blocks * std::pow(across + 1., dim));
-    std::vector<dealii::Point<dim>>    vertices;
-    std::map<Lattice, unsigned int>    vertex_at;
-    std::vector<dealii::CellData<dim>> blocks(part.blocks().size());
+    std::vector<dealii::Point<dim>>      vertices;
+    std::map<CellKey<dim>, unsigned int> vertex_at;
+    std::vector<dealii::CellData<dim>>   blocks(part.blocks().size());
     for (unsigned int i = 0; i < blocks.size(); ++i)
       for (unsigned int v = 0; v < nodes_per_cell; ++v)
         {
-          Lattice place = part.blocks()[i];
+          CellKey<dim> place = part.blocks()[i];
           for (unsigned int d = 0; d < dim; ++d)
             place[d] = (place[d] + ((v >> d) & 1)) << part.level();
           const auto [vertex, is_new] =
@@ -137,13 +90,13 @@ namespace emmy
   BackgroundGrid<dim>::find_cells()
   {
     cells_by_number.clear();
-    Lattice first{}, last{};
+    CellKey<dim> first{}, last{};
     first.fill(std::numeric_limits<unsigned int>::max());
     for (const auto &cell : cells.active_cell_iterators())
       if (!cell->is_artificial())
         {
-          const Lattice place   = lattice(cell);
-          bool          is_cell = true;
+          const CellKey<dim> place   = key_of(cell);
+          bool               is_cell = true;
           for (unsigned int d = 0; d < dim; ++d)
             is_cell = is_cell && place[d] < counts[d];
           if (!is_cell)
@@ -172,7 +125,7 @@ namespace emmy
     for (const Occupied &cell : occupied)
       for (const unsigned int rank : possible_owners(cell.first))
         outgoing[rank].push_back(cell);
-    std::map<Lattice, unsigned int> n_points;
+    std::map<CellKey<dim>, unsigned int> n_points;
     for (const auto &[sender, incoming] :
          dealii::Utilities::MPI::some_to_some(communicator(), outgoing))
       {
@@ -182,7 +135,7 @@ namespace emmy
       }
     const auto connection = cells.signals.weight.connect(
       [&](const auto &cell, const auto) -> unsigned int {
-        const auto found = n_points.find(lattice(cell));
+        const auto found = n_points.find(key_of(cell));
         return 1 + (found == n_points.end() ? 0 : found->second);
       });
     cells.repartition();
@@ -200,15 +153,15 @@ namespace emmy
     node_partition = std::make_shared<dealii::Utilities::MPI::Partitioner>(
       numbering.locally_owned_dofs(), known, communicator());
 
-    node_lattices.resize(known.n_elements());
+    node_keys.resize(known.n_elements());
     for (const auto &cell : numbering.active_cell_iterators())
       if (!cell->is_artificial())
         for (const unsigned int v : cell->vertex_indices())
           {
-            Lattice place = lattice(cell);
+            CellKey<dim> place = key_of(cell);
             for (unsigned int d = 0; d < dim; ++d)
               place[d] += (v >> d) & 1;
-            node_lattices[node_partition->global_to_local(
+            node_keys[node_partition->global_to_local(
               cell->vertex_dof_index(v, 0))] = place;
           }
   }
@@ -222,7 +175,7 @@ namespace emmy
 
   template <int dim>
   std::uint64_t
-  BackgroundGrid<dim>::number_of(const Lattice &lattice) const
+  BackgroundGrid<dim>::number_of(const CellKey<dim> &lattice) const
   {
     std::uint64_t number = 0;
     for (unsigned int d = 0; d < dim; ++d)
@@ -231,11 +184,11 @@ namespace emmy
   }
 
   template <int dim>
-  typename BackgroundGrid<dim>::Lattice
-  BackgroundGrid<dim>::lattice(const Cell &cell) const
+  CellKey<dim>
+  BackgroundGrid<dim>::key_of(const Cell &cell) const
   {
     const dealii::Point<dim> center = cell->center();
-    Lattice                  result;
+    CellKey<dim>             result;
     for (unsigned int d = 0; d < dim; ++d)
       result[d] = std::floor((center[d] - lower[d]) / h[d]);
     return result;
@@ -243,7 +196,7 @@ namespace emmy
 
   template <int dim>
   dealii::Point<dim>
-  BackgroundGrid<dim>::corner(const Lattice &lattice) const
+  BackgroundGrid<dim>::corner(const CellKey<dim> &lattice) const
   {
     dealii::Point<dim> result;
     for (unsigned int d = 0; d < dim; ++d)
@@ -265,7 +218,7 @@ namespace emmy
 
   template <int dim>
   std::vector<unsigned int>
-  BackgroundGrid<dim>::possible_owners(const Lattice &lattice) const
+  BackgroundGrid<dim>::possible_owners(const CellKey<dim> &lattice) const
   {
     std::vector<unsigned int> ranks;
     for (unsigned int rank = 0; rank < boxes_of_ranks.size(); ++rank)
@@ -282,10 +235,10 @@ namespace emmy
   }
 
   template <int dim>
-  typename BackgroundGrid<dim>::Lattice
-  BackgroundGrid<dim>::lattice(const dealii::Point<dim> &position) const
+  CellKey<dim>
+  BackgroundGrid<dim>::key_of(const dealii::Point<dim> &position) const
   {
-    Lattice result;
+    CellKey<dim> result;
     for (unsigned int d = 0; d < dim; ++d)
       result[d] =
         std::min<double>(counts[d] - 1,
@@ -296,7 +249,7 @@ namespace emmy
 
   template <int dim>
   typename BackgroundGrid<dim>::Cell
-  BackgroundGrid<dim>::cell_at(const Lattice &lattice) const
+  BackgroundGrid<dim>::cell_at(const CellKey<dim> &lattice) const
   {
     const auto number = number_of(lattice);
     const auto found =
@@ -354,15 +307,8 @@ namespace emmy
   }
 
   template <int dim>
-  const dealii::Tensor<1, dim> &
-  BackgroundGrid<dim>::cell_size() const
-  {
-    return h;
-  }
-
-  template <int dim>
   double
-  BackgroundGrid<dim>::smallest_cell_size() const
+  BackgroundGrid<dim>::shortest_side() const
   {
     return *std::min_element(h.begin_raw(), h.end_raw());
   }
@@ -395,11 +341,10 @@ namespace emmy
   }
 
   template <int dim>
-  const typename BackgroundGrid<dim>::Lattice &
-  BackgroundGrid<dim>::node_lattice(
-    const dealii::types::global_dof_index id) const
+  const CellKey<dim> &
+  BackgroundGrid<dim>::node_key(const dealii::types::global_dof_index id) const
   {
-    return node_lattices[node_partition->global_to_local(id)];
+    return node_keys[node_partition->global_to_local(id)];
   }
 
   template <int dim>
@@ -407,15 +352,15 @@ namespace emmy
   BackgroundGrid<dim>::node_position(
     const dealii::types::global_dof_index id) const
   {
-    return corner(node_lattice(id));
+    return corner(node_key(id));
   }
 
   template <int dim>
   bool
-  BackgroundGrid<dim>::is_in_cell(const Lattice            &lattice,
+  BackgroundGrid<dim>::is_in_cell(const CellKey<dim>       &lattice,
                                   const dealii::Point<dim> &position) const
   {
-    Lattice above = lattice;
+    CellKey<dim> above = lattice;
     for (unsigned int &place : above)
       ++place;
     const dealii::Point<dim> low = corner(lattice), high = corner(above);
@@ -451,8 +396,105 @@ namespace emmy
     return result;
   }
 
-  template class GridParameters<2>;
-  template class GridParameters<3>;
+  template <int dim>
+  CellKey<dim>
+  BackgroundGrid<dim>::key_above(const dealii::Point<dim> &node_position) const
+  {
+    return key_of(node_position + 0.5 * h);
+  }
+
+  template <int dim>
+  std::optional<CellKey<dim>>
+  BackgroundGrid<dim>::neighbour(const CellKey<dim> &key,
+                                 const unsigned int  face) const
+  {
+    const unsigned int d = face / 2;
+    if (key[d] == (face % 2 == 0 ? 0 : counts[d] - 1))
+      return {};
+    CellKey<dim> result = key;
+    result[d] += face % 2 == 0 ? -1 : 1;
+    return result;
+  }
+
+  namespace
+  {
+    /** The cells of a box that is n cells wide, inside the grid. */
+    template <int dim>
+    std::vector<CellKey<dim>>
+    box_from_one_below(const CellKey<dim>              &key,
+                       const int                        n,
+                       const std::vector<unsigned int> &counts)
+    {
+      std::vector<CellKey<dim>> result;
+      for (int i = 0; i < dealii::Utilities::pow(n, dim); ++i)
+        {
+          CellKey<dim> cell;
+          bool         is_inside = true;
+          for (int d = 0, rest = i; d < dim; ++d, rest /= n)
+            {
+              cell[d]   = key[d] + rest % n - 1; // below zero: very large
+              is_inside = is_inside && cell[d] < counts[d];
+            }
+          if (is_inside)
+            result.push_back(cell);
+        }
+      return result;
+    }
+  } // namespace
+
+  template <int dim>
+  std::vector<CellKey<dim>>
+  BackgroundGrid<dim>::cells_around(const CellKey<dim> &key) const
+  {
+    return box_from_one_below<dim>(key, 3, counts);
+  }
+
+  template <int dim>
+  std::vector<CellKey<dim>>
+  BackgroundGrid<dim>::cells_at_node(const CellKey<dim> &node) const
+  {
+    return box_from_one_below<dim>(node, 2, counts);
+  }
+
+  template <int dim>
+  dealii::Tensor<1, dim>
+  BackgroundGrid<dim>::from_node_to_center(const CellKey<dim> &node,
+                                           const CellKey<dim> &cell) const
+  {
+    dealii::Tensor<1, dim> result;
+    for (unsigned int d = 0; d < dim; ++d)
+      result[d] = (int(cell[d]) - int(node[d]) + 0.5) * h[d];
+    return result;
+  }
+
+  template <int dim>
+  double
+  BackgroundGrid<dim>::volume_of_node(
+    const dealii::Point<dim> &node_position) const
+  {
+    double volume = 1.;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        const bool half = node_position[d] < lower[d] + 0.5 * h[d] ||
+                          node_position[d] > upper[d] - 0.5 * h[d];
+        volume *= half ? 0.5 * h[d] : h[d];
+      }
+    return volume;
+  }
+
+  template <int dim>
+  dealii::Point<dim>
+  BackgroundGrid<dim>::reference_position(
+    const CellKey<dim>       &key,
+    const dealii::Point<dim> &position) const
+  {
+    const dealii::Point<dim> from = corner(key);
+    dealii::Point<dim>       result;
+    for (unsigned int d = 0; d < dim; ++d)
+      result[d] = (position[d] - from[d]) / h[d];
+    return result;
+  }
+
   template class BackgroundGrid<2>;
   template class BackgroundGrid<3>;
 } // namespace emmy

@@ -9,7 +9,7 @@ namespace emmy
   {
     template <int dim>
     void
-    make_unique(std::vector<LatticePlace<dim>> &places)
+    make_unique(std::vector<CellKey<dim>> &places)
     {
       std::sort(places.begin(), places.end());
       places.erase(std::unique(places.begin(), places.end()), places.end());
@@ -18,11 +18,11 @@ namespace emmy
     /** Call function(place) for all places from first to last. */
     template <int dim, class Function>
     void
-    for_each_place(const LatticePlace<dim> &first,
-                   const LatticePlace<dim> &last,
-                   const Function          &function)
+    for_each_place(const CellKey<dim> &first,
+                   const CellKey<dim> &last,
+                   const Function     &function)
     {
-      LatticePlace<dim> place = first;
+      CellKey<dim> place = first;
       for (unsigned int d = 0; d < dim;)
         {
           function(place);
@@ -33,22 +33,22 @@ namespace emmy
 
     /** The last block of 2^level cells that reaches into the grid. */
     template <int dim>
-    LatticePlace<dim>
+    CellKey<dim>
     last_block(const std::vector<unsigned int> &n_cells,
                const unsigned int               level)
     {
-      LatticePlace<dim> last;
+      CellKey<dim> last;
       for (unsigned int d = 0; d < dim; ++d)
         last[d] = (n_cells[d] - 1) >> level;
       return last;
     }
 
     template <int dim>
-    std::vector<LatticePlace<dim>>
+    std::vector<CellKey<dim>>
     all_blocks(const std::vector<unsigned int> &n_cells,
                const unsigned int               level)
     {
-      std::vector<LatticePlace<dim>> blocks;
+      std::vector<CellKey<dim>> blocks;
       for_each_place<dim>({},
                           last_block<dim>(n_cells, level),
                           [&](const auto &block) { blocks.push_back(block); });
@@ -59,7 +59,7 @@ namespace emmy
     /** The same cells in blocks twice as large. */
     template <int dim>
     void
-    coarsen(std::vector<LatticePlace<dim>> &blocks)
+    coarsen(std::vector<CellKey<dim>> &blocks)
     {
       for (auto &block : blocks)
         for (unsigned int &place : block)
@@ -85,9 +85,9 @@ namespace emmy
      */
     template <int dim>
     unsigned int
-    limit(std::vector<LatticePlace<dim>> &blocks,
-          unsigned int                    level,
-          const unsigned int              highest)
+    limit(std::vector<CellKey<dim>> &blocks,
+          unsigned int               level,
+          const unsigned int         highest)
     {
       for (; blocks.size() > Window<dim>::most_blocks && level < highest;
            ++level)

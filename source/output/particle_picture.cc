@@ -43,7 +43,7 @@ namespace emmy
       std::vector<Line> lines;
       for (unsigned int across = 0; across < picture.dim; ++across)
         {
-          const double h = picture.cell_size[across];
+          const double h = picture.line_distance[across];
           const auto   n =
             static_cast<unsigned int>(std::lround((b[across] - a[across]) / h));
           const unsigned int stride =

@@ -156,9 +156,9 @@ namespace emmy
         particles.dim = dim;
         for (unsigned int d = 0; d < dim; ++d)
           {
-            grid_lower[d]          = lower[d];
-            grid_upper[d]          = upper[d];
-            particles.cell_size[d] = (upper[d] - lower[d]) / n_cells[d];
+            grid_lower[d]              = lower[d];
+            grid_upper[d]              = upper[d];
+            particles.line_distance[d] = (upper[d] - lower[d]) / n_cells[d];
             // An empty box, to be widened by the points.
             lowest[d]  = upper[d];
             highest[d] = lower[d];
@@ -348,7 +348,7 @@ namespace emmy
     // The cells that any snapshot touches, and some air around it.
     for (unsigned int d = 0; d < particles.dim; ++d)
       {
-        const double h       = particles.cell_size[d];
+        const double h       = particles.line_distance[d];
         const bool   is_any  = lowest[d] <= highest[d];
         const double from    = is_any ? lowest[d] : grid_lower[d];
         const double to      = is_any ? highest[d] : grid_upper[d];
@@ -367,7 +367,7 @@ namespace emmy
             std::make_pair(grid_lower[d], grid_upper[d]);
       }
     if (particles.spacing == 0.)
-      particles.spacing = 0.1 * particles.cell_size[0];
+      particles.spacing = 0.1 * particles.line_distance[0];
 
     std::ofstream script(fs::path(folder) / "particles.gp");
     particles.write_script(script);

@@ -3,7 +3,7 @@
 #include <emmy/base/formula.h>
 #include <emmy/grid/boundary_conditions.h>
 #include <emmy/particles/body.h>
-#include <emmy/particles/particle_lattice.h>
+#include <emmy/particles/particle_layout.h>
 
 #include <algorithm>
 #include <cmath>
@@ -134,25 +134,26 @@ namespace emmy
      * spare, as the places of its box's corners are rounded.
      */
     template <int dim>
-    std::array<typename BackgroundGrid<dim>::Lattice, 2>
+    std::array<CellKey<dim>, 2>
     reached_cells(const Shape<dim> &shape, const BackgroundGrid<dim> &grid)
     {
       const auto box = shape.bounding_box();
       Point<dim> low, high;
       for (unsigned int d = 0; d < dim; ++d)
         {
-          low[d]  = box.lower_bound(d) - grid.cell_size()[d];
-          high[d] = box.upper_bound(d) + grid.cell_size()[d];
+          low[d]  = box.lower_bound(d);
+          high[d] = box.upper_bound(d);
         }
-      return {{grid.lattice(low), grid.lattice(high)}};
+      low -= grid.size_at(low);
+      high += grid.size_at(high);
+      return {{grid.key_of(low), grid.key_of(high)}};
     }
 
     /** Call function(place) for all cells from the first to the last. */
     template <int dim, class Function>
     void
-    for_each_cell(
-      const std::array<typename BackgroundGrid<dim>::Lattice, 2> &reached,
-      const Function                                             &function)
+    for_each_cell(const std::array<CellKey<dim>, 2> &reached,
+                  const Function                    &function)
     {
       auto cell = reached[0];
       for (unsigned int d = 0; d < dim;)
@@ -175,11 +176,11 @@ namespace emmy
     std::vector<typename BackgroundGrid<dim>::Occupied> result;
     for (const Body<dim> &body : bodies)
       {
-        const ParticleLattice<dim> lattice(body, grid);
+        const ParticleLayout<dim> lattice(body, grid);
         for_each_cell<dim>(reached_cells(*body.shape, grid),
                            [&](const auto &cell) {
                              // ranks take the layers in turn
-                             if (cell[dim - 1] % n_ranks == rank)
+                             if (cell.back() % n_ranks == rank)
                                if (const auto points = lattice.points_in(cell);
                                    !points.empty())
                                  result.emplace_back(cell, points.size());
@@ -192,7 +193,7 @@ namespace emmy
   dealii::Tensor<1, dim>
   initial_half_length(const Body<dim> &body, const BackgroundGrid<dim> &grid)
   {
-    return ParticleLattice<dim>(body, grid).half_length();
+    return ParticleLayout<dim>(body, grid).half_length();
   }
 
   namespace
@@ -208,7 +209,7 @@ namespace emmy
         return "";
       for (unsigned int d = 0; d < dim; ++d)
         {
-          const double tolerance = 1e-9 * grid.cell_size()[d];
+          const double tolerance = 1e-9 * grid.size_at(grid.lower_corner())[d];
           const bool   is_below =
             !body.cut_by[2 * d] &&
             box.lower_bound(d) < grid.lower_corner()[d] - tolerance;
@@ -240,7 +241,7 @@ namespace emmy
         for (const unsigned int end : {0, 1})
           {
             Point<dim> next = point;
-            next[d] += (end == 0 ? -1. : 1.) * grid.cell_size()[d] /
+            next[d] += (end == 0 ? -1. : 1.) * grid.size_at(point)[d] /
                        body.points_per_direction;
             if (!body.cut_by[2 * d + end] && !grid.contains(next) &&
                 body.shape->contains(next))
@@ -262,9 +263,9 @@ namespace emmy
       const std::vector<Body<dim>>                          &bodies,
       const BackgroundGrid<dim>                             &grid)
     {
-      std::vector<typename BackgroundGrid<dim>::Lattice> places; // sorted
+      std::vector<CellKey<dim>> places; // sorted
       for (const auto &cell : cells)
-        places.push_back(grid.lattice(cell));
+        places.push_back(grid.key_of(cell));
       std::vector<std::pair<unsigned int, unsigned int>> result;
       for (unsigned int b = 0; b < bodies.size(); ++b)
         {
@@ -310,7 +311,7 @@ namespace emmy
       const auto                 pairs = bodies_at_cells(cells, bodies, grid);
       std::vector<Filling<dim>>  result;
       std::vector<unsigned long> n_points(bodies.size(), 0);
-      std::vector<ParticleLattice<dim>> lattices;
+      std::vector<ParticleLayout<dim>> lattices;
       for (const Body<dim> &body : bodies)
         lattices.emplace_back(body, grid);
       std::string cut, overlap;
@@ -323,7 +324,7 @@ namespace emmy
             {
               const auto &[c, b] = *here;
               Filling<dim> filling{
-                cells[c], b, lattices[b].points_in(grid.lattice(cells[c]))};
+                cells[c], b, lattices[b].points_in(grid.key_of(cells[c]))};
               n_points[b] += filling.points.size();
               for (const Point<dim> &point : filling.points)
                 {
@@ -393,12 +394,11 @@ namespace emmy
       sum_below_and_total(n_local, communicator).first;
 
     const unsigned int velocity = layout["velocity"], mass = layout["mass"],
-                       volume                = layout["reference_volume"],
-                       body                  = layout["body"];
-    const dealii::Tensor<1, dim>     &h      = grid.cell_size();
-    std::vector<double>               values = layout.initial_values();
-    std::string                       wrong_velocity;
-    std::vector<ParticleLattice<dim>> lattices;
+                       volume               = layout["reference_volume"],
+                       body                 = layout["body"];
+    std::vector<double>              values = layout.initial_values();
+    std::string                      wrong_velocity;
+    std::vector<ParticleLayout<dim>> lattices;
     for (const Body<dim> &from : bodies)
       lattices.emplace_back(from, grid);
     particles.reserve(n_local);
@@ -414,7 +414,7 @@ namespace emmy
           for (unsigned int d = 0; d < dim; ++d)
             values[layout["half_length"] + d] =
               lattices[filling.body].half_length()[d];
-        const Point<dim> corner = grid.corner(grid.lattice(filling.cell));
+        const auto key = grid.key_of(filling.cell);
         for (const Point<dim> &point : filling.points)
           {
             for (unsigned int d = 0; d < dim; ++d)
@@ -426,10 +426,9 @@ namespace emmy
                     shortest(values[velocity + d]) + " m/s at (" +
                     dealii::Patterns::Tools::to_string(point) + ") m";
               }
-            Point<dim> reference;
+            Point<dim> reference = grid.reference_position(key, point);
             for (unsigned int d = 0; d < dim; ++d)
-              reference[d] =
-                std::min(1., std::max(0., (point[d] - corner[d]) / h[d]));
+              reference[d] = std::min(1., std::max(0., reference[d]));
             particles.insert_particle(
               point,
               reference,

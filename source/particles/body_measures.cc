@@ -1,6 +1,6 @@
 #include <emmy/base/text.h>
 #include <emmy/particles/body_measures.h>
-#include <emmy/particles/particle_lattice.h>
+#include <emmy/particles/particle_layout.h>
 
 #include <algorithm>
 #include <cmath>
@@ -65,7 +65,7 @@ namespace emmy
       double      largest = 0.;
       const auto  note =
         [&](const unsigned int d, const double off, const std::string &what) {
-          const double cells = std::abs(off) / grid.cell_size()[d];
+          const double cells = std::abs(off) / grid.size_at(found.lower)[d];
           if (!(cells > worth_a_note))
             return;
           largest = std::max(largest, cells);

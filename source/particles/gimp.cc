@@ -7,52 +7,6 @@
 
 namespace emmy
 {
-  namespace
-  {
-    /** Below this half-length, relative to h, a particle is a point. */
-    constexpr double smallest_half_length = 1e-6;
-
-    /**
-     * Domains are taken this much smaller, relatively, both to find the cells
-     * and to weight the nodes: domains that should just touch a face must not
-     * reach across it by round-off.
-     */
-    constexpr double shrinkage = 1.5e-8;
-  } // namespace
-
-  void
-  gimp_weights(const double       x,
-               const double       l,
-               const double       h,
-               const unsigned int n_cells,
-               Weight            *weights,
-               const bool         beyond_lower,
-               const bool         beyond_upper)
-  {
-    for (unsigned int i = 0; i <= n_cells; ++i)
-      weights[i] = {0., 0.};
-    double share_left = 1.;
-    for (unsigned int cell = 0; cell < n_cells; ++cell)
-      {
-        const double low =
-          cell == 0 && beyond_lower ? x - l : std::max(x - l, cell * h);
-        const double high   = cell + 1 == n_cells && beyond_upper
-                                ? x + l
-                                : std::min(x + l, (cell + 1) * h);
-        const double center = n_cells == 1 ? x : 0.5 * (low + high);
-        const double share =
-          cell + 1 == n_cells
-            ? share_left
-            : std::min(share_left, std::max(0., high - low) / (2. * l));
-        share_left -= share;
-        const double xi = center / h - cell;
-        weights[cell].value += share * (1. - xi);
-        weights[cell].slope -= share / h;
-        weights[cell + 1].value += share * xi;
-        weights[cell + 1].slope += share / h;
-      }
-  }
-
   template <int dim>
   GimpShapeFunctions<dim>::GimpShapeFunctions(FieldLayout &layout)
     : body_component(layout["body"])
@@ -74,67 +28,6 @@ namespace emmy
                    " cells, as boxes cross faces; at the start none does";
     card.phases = {"stencils"};
     return card;
-  }
-
-  UsedLength
-  used_half_length(const double l,
-                   const double h,
-                   const double below,
-                   const double above)
-  {
-    UsedLength used{(1. - shrinkage) * l, 0., 1. - shrinkage};
-    if ((1. - shrinkage) * h < used.value)
-      used = {(1. - shrinkage) * h, 0., 0.};
-    if (below < used.value)
-      used = {below, 1., 0.};
-    if (above < used.value)
-      used = {above, -1., 0.};
-    if (used.value < smallest_half_length * h)
-      used = {0., 0., 0.};
-    return used;
-  }
-
-  Overlap
-  overlap_along(const double       below,
-                const double       l,
-                const double       h,
-                const unsigned int n_cells)
-  {
-    const double n_last = n_cells - 1;
-    const double first  = std::floor((below - l) / h);
-    const double last   = l == 0. ? first : std::ceil((below + l) / h) - 1.;
-    Overlap      result;
-    result.first        = std::min(n_last, std::max(0., first));
-    result.last         = std::min(n_last, std::max(first, last));
-    result.beyond_lower = result.beyond_upper = false;
-    result.tails                              = 1.;
-    // of the node behind the part of the box in an outermost cell
-    const auto share = [&](const double part) {
-      return part > 0. ? part * part / (4. * l * h) : 0.;
-    };
-    if (result.last > result.first)
-      {
-        const double lower = share((result.first + 1) * h - (below - l));
-        if (lower < least_share)
-          {
-            ++result.first;
-            result.beyond_lower = true;
-          }
-        else
-          result.tails = lower;
-      }
-    if (result.last > result.first)
-      {
-        const double upper = share(below + l - result.last * h);
-        if (upper < least_share)
-          {
-            --result.last;
-            result.beyond_upper = true;
-          }
-        else
-          result.tails = std::min(result.tails, upper);
-      }
-    return result;
   }
 
   template <int dim>
@@ -232,8 +125,7 @@ namespace emmy
     /** Nodes per direction of a box of cells. */
     template <int dim>
     std::array<unsigned int, dim>
-    nodes_of(const typename BackgroundGrid<dim>::Lattice &first,
-             const typename BackgroundGrid<dim>::Lattice &last)
+    nodes_of(const CellKey<dim> &first, const CellKey<dim> &last)
     {
       std::array<unsigned int, dim> n_nodes;
       for (unsigned int d = 0; d < dim; ++d)
@@ -318,7 +210,7 @@ namespace emmy
     bool is_known      = true;
     for_each_node<dim>(group, [&](const unsigned int, const auto &index) {
       // a cell that has the node, and which of its vertices that is
-      Lattice      lattice;
+      CellKey<dim> lattice;
       unsigned int vertex = 0;
       for (unsigned int d = 0; d < dim; ++d)
         {
@@ -335,10 +227,7 @@ namespace emmy
     });
     group.n_nodes = stencils.node_ids.size() - group.first_node;
     for_each_cell_of<dim>(group, [&](const auto &index) {
-      Lattice lattice = entry.first;
-      for (unsigned int d = 0; d < dim; ++d)
-        lattice[d] += index[d];
-      overlapped.push_back(grid.cell_at(lattice));
+      overlapped.push_back(grid.cell_at(further<dim>(entry.first, index)));
     });
     return is_known;
   }

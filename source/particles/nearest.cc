@@ -14,7 +14,7 @@ namespace emmy
     const dealii::Particles::ParticleHandler<dim> &particles,
     const Filter                                  &counts)
     : positions(positions)
-    , tolerance(1e-9 * grid.smallest_cell_size())
+    , tolerance(1e-9 * grid.shortest_side())
     , communicator(grid.communicator())
     , lengths(positions.size(), std::numeric_limits<double>::infinity())
   {

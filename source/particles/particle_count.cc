@@ -1,7 +1,7 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
 #include <emmy/particles/particle_count.h>
-#include <emmy/particles/particle_lattice.h>
+#include <emmy/particles/particle_layout.h>
 
 #include <algorithm>
 #include <limits>
@@ -38,7 +38,7 @@ namespace emmy
     expected_particles(const Body<dim> &body, const BackgroundGrid<dim> &grid)
     {
       const auto box     = body.shape->bounding_box();
-      const auto spacing = ParticleLattice<dim>(body, grid).spacing();
+      const auto spacing = ParticleLayout<dim>(body, grid).spacing();
       double     in_grid = 1., one = 1.;
       for (unsigned int d = 0; d < dim; ++d)
         {

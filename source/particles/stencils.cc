@@ -48,7 +48,7 @@ namespace emmy
     for (auto particle = particles.begin(); particle != particles.end();)
       {
         const auto cell    = particle->get_surrounding_cell();
-        const auto lattice = grid.lattice(cell);
+        const auto lattice = grid.key_of(cell);
         for (; particle != particles.end() &&
                particle->get_surrounding_cell() == cell;
              ++particle)
@@ -157,7 +157,7 @@ namespace emmy
         stencils.node_ids.insert(stencils.node_ids.end(),
                                  ids.begin(),
                                  ids.end());
-        add_weights(places, group, grid.cell_size(), stencils);
+        add_weights(places, group, grid.size_of(place), stencils);
         stencils.groups.push_back(group);
       }
     stop_at_unknown_cell(places, unknown, grid);
@@ -217,7 +217,7 @@ namespace emmy
     Factors<dim> factors;
     for (unsigned int d = 0; d < dim; ++d)
       {
-        const double h  = grid.cell_size()[d];
+        const double h  = grid.size_of(places.cells[i])[d];
         const double xi = (places.positions[i][d] - group.origin[d]) / h;
         factors[d][0]   = {1. - xi, -1. / h, -1. / h, 0., 0., 0.};
         factors[d][1]   = {xi, 1. / h, 1. / h, 0., 0., 0.};
@@ -249,14 +249,13 @@ namespace emmy
     const std::vector<typename BackgroundGrid<dim>::Cell> &found,
     const BackgroundGrid<dim>                             &grid)
   {
-    using Lattice = typename BackgroundGrid<dim>::Lattice;
-    std::vector<Lattice>                         places;
-    std::map<unsigned int, std::vector<Lattice>> of_others;
+    std::vector<CellKey<dim>>                         places;
+    std::map<unsigned int, std::vector<CellKey<dim>>> of_others;
     for (const auto &cell : found)
       if (cell->is_locally_owned())
-        places.push_back(grid.lattice(cell));
+        places.push_back(grid.key_of(cell));
       else
-        of_others[cell->subdomain_id()].push_back(grid.lattice(cell));
+        of_others[cell->subdomain_id()].push_back(grid.key_of(cell));
     if (dealii::Utilities::MPI::n_mpi_processes(grid.communicator()) > 1)
       for (const auto &[sender, lattices] :
            dealii::Utilities::MPI::some_to_some(grid.communicator(), of_others))
@@ -267,7 +266,7 @@ namespace emmy
     std::sort(places.begin(), places.end());
     places.erase(std::unique(places.begin(), places.end()), places.end());
     std::vector<typename BackgroundGrid<dim>::Cell> owned;
-    for (const Lattice &place : places)
+    for (const CellKey<dim> &place : places)
       owned.push_back(grid.cell_at(place));
     return owned;
   }

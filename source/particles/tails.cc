@@ -40,7 +40,7 @@ namespace emmy
   template <int dim>
   Tails<dim>::Tails(const Factors<dim>                  &factors,
                     const std::array<unsigned int, dim> &n_along,
-                    const std::array<double, dim>       &cell_size)
+                    const std::array<double, dim>       &sides)
     : n_along(n_along)
   {
     for (unsigned int d = 0; d < dim; ++d)
@@ -50,7 +50,7 @@ namespace emmy
           const Factor &outermost = factors[d][end == 1 ? 0 : n_along[d] - 1];
           exists[d][0]            = true;
           exists[d][end] =
-            n_along[d] > 2 && std::abs(outermost.slope) * cell_size[d] < 0.5;
+            n_along[d] > 2 && std::abs(outermost.slope) * sides[d] < 0.5;
         }
     for (int i = 0; i < dealii::Utilities::pow(3, dim); ++i)
       {

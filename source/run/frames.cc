@@ -190,9 +190,9 @@ namespace emmy
             const unsigned int node = active.cell_nodes(cell)[v];
             vertices[v]             = active.position(node);
             for (unsigned int c = 0; c < dim; ++c)
-              values.push_back(old_velocity[dim * node + c]);
+              values.push_back(old_velocity[unknown<dim>(node, c)]);
             for (unsigned int c = 0; c < dim; ++c)
-              values.push_back(new_velocity[dim * node + c]);
+              values.push_back(new_velocity[unknown<dim>(node, c)]);
             values.push_back(mass[node]);
             if (diagnosis)
               values.insert(values.end(),

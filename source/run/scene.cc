@@ -1,12 +1,11 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
-#include <emmy/effects/inertia.h>
-#include <emmy/effects/internal_force.h>
 #include <emmy/effects/starved_nodes.h>
 #include <emmy/particles/body_measures.h>
 #include <emmy/particles/particle_count.h>
 #include <emmy/run/scene.h>
 #include <emmy/run/scene_card.h>
+#include <emmy/run/scene_effects.h>
 #include <emmy/step/explicit_stepper.h>
 #include <emmy/step/stepper.h>
 
@@ -79,97 +78,6 @@ namespace emmy
     }
 
     template <int dim>
-    std::vector<std::string>
-    names_of_materials(const SceneParameters<dim>   &parameters,
-                       const std::vector<Body<dim>> &bodies)
-    {
-      std::vector<std::string> names;
-      for (const Body<dim> &body : bodies)
-        names.push_back(
-          material_effect(parameters.material_names.names[body.material]));
-      return names;
-    }
-
-    /** Null with implicit steps. */
-    template <int dim>
-    std::unique_ptr<ExplicitForce<dim>>
-    make_explicit_force(
-      const SceneParameters<dim>               &parameters,
-      const std::vector<Body<dim>>             &bodies,
-      const std::vector<const Material<dim> *> &material_of_body,
-      FieldLayout                              &layout)
-    {
-      if (!parameters.time.is_explicit())
-        return nullptr;
-      layout.set_effect(internal_force_effect);
-      return std::make_unique<ExplicitForce<dim>>(
-        material_of_body, layout, names_of_materials(parameters, bodies));
-    }
-
-    /** Explicit steps take loads, and nothing that Newton would need. */
-    template <int dim>
-    void
-    require_explicit(const std::string &effect, const Effects<dim> &effects)
-    {
-      AssertThrow(std::none_of(effects.terms.begin(),
-                               effects.terms.end(),
-                               [](const auto &term) {
-                                 return term->is_force() || term->couples();
-                               }),
-                  ExcParameter("Time",
-                               "Integrator",
-                               "explicit",
-                               "explicit steps have no place for the effect <" +
-                                 effect +
-                                 ">. Remove it from Effects/Names, or set "
-                                 "Integrator = implicit."));
-    }
-
-    /**
-     * The effects that the file names; with implicit steps inertia and
-     * internal force too.
-     */
-    template <int dim>
-    Effects<dim>
-    make_effects(const SceneParameters<dim>               &parameters,
-                 const std::vector<Body<dim>>             &bodies,
-                 const std::vector<const Material<dim> *> &material_of_body,
-                 FieldLayout                              &layout)
-    {
-      const bool   is_explicit = parameters.time.is_explicit();
-      Effects<dim> effects;
-      effects.material_of_body = material_of_body;
-      if (!is_explicit)
-        {
-          effects.terms.push_back(
-            std::make_unique<Inertia<dim>>(layout["mass"]));
-          effects.name_new(Inertia<dim>::card().name);
-          layout.set_effect(internal_force_effect);
-          effects.terms.push_back(std::make_unique<InternalForce<dim>>(
-            material_of_body,
-            layout,
-            stress_rule<dim>(parameters.method.stress_rule),
-            names_of_materials(parameters, bodies)));
-          effects.name_new(internal_force_effect);
-        }
-      if (parameters.method.starved_nodes == "follow" && !is_explicit)
-        {
-          effects.terms.push_back(
-            parameters.method.template make_starved_nodes<dim>(layout));
-          effects.name_new(starved_nodes_effect);
-        }
-      for (const std::string &name : parameters.effect_names.names)
-        {
-          layout.set_effect(name);
-          parameters.effects.at(name)->add_to(effects, layout);
-          effects.name_new(name);
-          if (is_explicit)
-            require_explicit(name, effects);
-        }
-      return effects;
-    }
-
-    template <int dim>
     std::unique_ptr<ShapeFunctions<dim>>
     make_shape_functions(const MethodParameters &method, FieldLayout &layout)
     {
@@ -177,78 +85,6 @@ namespace emmy
       return shape_function_library<dim>()
         .find(method.shape_functions, method.path(), "Shape functions")
         .make(layout);
-    }
-
-    /** Explicit steps have a lumped mass and a stress rule of their own. */
-    template <int dim>
-    void
-    make_explicit(const SceneParameters<dim> &parameters, PointMapping &mapping)
-    {
-      const MethodParameters &method  = parameters.method;
-      const auto              require = [](const bool         condition,
-                              const std::string &section,
-                              const std::string &entry,
-                              const std::string &value,
-                              const std::string &advice) {
-        AssertThrow(condition,
-                    ExcParameter(section,
-                                 entry,
-                                 value,
-                                 "with Time/Integrator = explicit " + advice));
-      };
-      require(mapping.lumping == 0. || mapping.lumping == 1.,
-              method.path(),
-              "Lumping",
-              shortest(mapping.lumping),
-              "the mass is always lumped. Remove it, or set it to 1.");
-      require(method.stress_rule == "conserving",
-              method.path(),
-              "Stress rule",
-              method.stress_rule,
-              "the stress at the start of the step acts, whatever the rule. "
-              "Remove it.");
-      require(method.starved_nodes == "free",
-              method.path(),
-              "Starved nodes",
-              method.starved_nodes,
-              "there is no equation that nodes could follow in. Remove it, or "
-              "set it to free.");
-      require(mapping.walls == PointMapping::Walls::constrained,
-              method.path(),
-              "Wall mapping",
-              method.wall_mapping,
-              "it must be <constrained>.");
-      require(!parameters.diagnosis.small_cuts,
-              parameters.diagnosis.path(),
-              "Small cuts",
-              "true",
-              "there is no matrix to diagnose. Set it to false.");
-      mapping.lumping = 1.;
-    }
-
-    /** Without walls there is no choice of what the map does at them. */
-    template <int dim>
-    PointMapping
-    make_mapping(const SceneParameters<dim>    &parameters,
-                 const BoundaryConditions<dim> &boundary_conditions,
-                 const Balance<dim>            &balance)
-    {
-      const MethodParameters &method  = parameters.method;
-      PointMapping            mapping = method.make_mapping();
-      if (!boundary_conditions.has_walls())
-        mapping.walls = PointMapping::Walls::constrained;
-      if (parameters.time.is_explicit())
-        make_explicit(parameters, mapping);
-      AssertThrow(!balance.has(starved_nodes_effect) ||
-                    mapping.walls == PointMapping::Walls::constrained,
-                  ExcParameter(method.path(),
-                               "Wall mapping",
-                               method.wall_mapping,
-                               "with Starved nodes = follow it must be "
-                               "<constrained>: the map without walls would "
-                               "need followers of its own. Set Starved nodes "
-                               "= free, or remove the entry."));
-      return mapping;
     }
 
     template <int dim>
@@ -288,7 +124,12 @@ namespace emmy
     , layout(basic_fields(dim))
     , explicit_force(
         make_explicit_force(parameters, bodies, material_of_body, layout))
-    , balance(make_effects(parameters, bodies, material_of_body, layout))
+    , balance(make_effects(parameters,
+                           bodies,
+                           material_of_body,
+                           boundary_conditions,
+                           grid,
+                           layout))
     , shape_functions(make_shape_functions<dim>(parameters.method, layout))
     , domain_update(make_updates(parameters.method, bodies, grid, layout))
     , middle(make_middle<dim>(parameters, layout))
@@ -304,7 +145,6 @@ namespace emmy
     , parameters(parameters)
   {
     const auto scope = phases.scope("setup");
-    boundary_conditions.check_run(parameters.time.latest_end());
     refuse_too_many(bodies, grid, layout);
     grid.cover(occupied_cells(bodies, grid));
     particles.initialize(grid.triangulation(),
@@ -357,7 +197,7 @@ namespace emmy
     for (const auto &particle : particles)
       {
         std::uint64_t place = 0;
-        for (const auto i : grid.lattice(particle.get_surrounding_cell()))
+        for (const auto i : grid.key_of(particle.get_surrounding_cell()))
           place = place * 0x9e3779b97f4a7c15 + i + 1;
         sum += (particle.get_id() + 1) * place;
       }
@@ -467,8 +307,7 @@ namespace emmy
                     << '\n';
     for (const std::string &note : notes)
       line("") << note << '\n';
-    // mass, damped mass with and without walls, tangent: a number and an index
-    // per entry
+    // a number and an index per entry
     const double       matrix_bytes = 12. * card.n_matrices * card.nonzeros;
     const unsigned int bytes        = card.particle_bytes();
     line("particles") << initial.totals.particles << ", "

@@ -4,6 +4,7 @@
 #include <emmy/effects/internal_force.h>
 #include <emmy/effects/starved_nodes.h>
 #include <emmy/run/scene_card.h>
+#include <emmy/run/scene_effects.h>
 #include <emmy/step/explicit_stepper.h>
 
 #include <algorithm>
@@ -38,10 +39,8 @@ namespace emmy
       {
         card.nonzeros =
           scene.stepper->grid_start().active->sparsity().n_nonzero_elements();
-        card.n_matrices =
-          scene.explicit_force                                      ? 0
-          : scene.mapping.walls == PointMapping::Walls::constrained ? 3
-                                                                    : 4;
+        // mass, damped mass and tangent
+        card.n_matrices = scene.explicit_force ? 0 : 3;
         card.n_points = dealii::Utilities::MPI::sum(static_cast<std::uint64_t>(
                                                       points.n_points()),
                                                     scene.grid.communicator());
@@ -87,9 +86,9 @@ namespace emmy
             else
               add(effect);
           }
-        for (const EffectCard &effect :
-             account_cards(scene.mapping,
-                           scene.boundary_conditions.has_moving_walls()))
+        for (const EffectCard &effect : account_cards(scene.mapping))
+          add(effect);
+        for (const EffectCard &effect : wall_cards(scene.balance))
           add(effect);
         add(parameters.diagnosis.card());
         for (const auto &measurement : scene.measurements)
@@ -108,6 +107,8 @@ namespace emmy
           const std::optional<std::int64_t> nonzeros = 0)
       {
         CountedEffect counted{effect, {}, 0, nonzeros};
+        if (effect.is_present)
+          card.n_matrices += effect.n_matrices;
         // an absent effect brings what it names, if that is not there yet
         FieldLayout layout = scene.layout;
         if (!effect.is_present)

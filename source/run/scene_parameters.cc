@@ -216,10 +216,6 @@ namespace emmy
     result.lumping = lumping;
     result.flip_fraction =
       mapping == "FLIP" ? 1. : (mapping == "PIC" ? 0. : flip_fraction);
-    result.walls =
-      wall_mapping == "constrained" ? PointMapping::Walls::constrained
-      : wall_mapping == "inelastic" ? PointMapping::Walls::inelastic
-                                    : PointMapping::Walls::unconstrained;
     return result;
   }
 
@@ -337,7 +333,7 @@ namespace emmy
                        join(material_library<dim>().names()) + ".")
     , body_names("Bodies",
                  "Names of the bodies. Each has a section of its name.")
-    , boundary_conditions(dim)
+    , moving_walls(dim)
     , effect_names("Effects",
                    "The effects of the scene beyond inertia and internal "
                    "force: " +

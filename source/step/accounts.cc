@@ -4,81 +4,38 @@ namespace emmy
 {
   namespace
   {
-    /** Works of residuals and walls, and the loss of inelastic walls. */
+    /** Works of residuals, of what holds unknowns, and losses of the map. */
     template <int dim>
     void
     add_works(const GridStart<dim>    &start,
               const StepEquation<dim> &equation,
-              const PointMapping      &mapping,
+              const VelocityMap<dim>  &map,
               const Vector            &displacement,
               const Vector            &velocity_new,
               StepAccounts            &result)
     {
-      // a vector's part on free unknowns, and that on fixed ones; followers
-      // have handed theirs over
-      const auto split = [&start](Vector vector) {
-        const Constraints &constraints = start.active->constraints();
-        constraints.fold(vector);
-        std::pair<Vector, Vector> parts(vector, vector);
-        constraints.set_zero(parts.first);
-        parts.second -= parts.first;
-        return parts;
-      };
-      const auto misfit_of = [&start](const Vector &velocity) {
-        Vector misfit = start.momentum;
-        start.mass.residual(misfit, velocity, start.momentum);
-        return misfit;
-      };
-
       result.residual_work = equation.residual() * displacement;
-      result.reaction_work =
-        split(equation.unconstrained_residual()).second * displacement;
+      result.reaction_work = free_and_fixed(start.active->constraints(),
+                                            equation.unconstrained_residual())
+                               .second *
+                             displacement;
 
-      Vector change = velocity_new;
-      change -= start.mapped_velocity;
-      Vector misfit = misfit_of(start.mapped_velocity);
+      const Vector &mapped = map.mapped(start);
+      Vector        change = velocity_new;
+      change -= mapped;
+      const Vector misfit = momentum_misfit(start, mapped);
       // v.M~ v / 2 - v.p, with M~ v = p - misfit
       result.hidden_kinetic_energy =
-        -0.5 * (start.mapped_velocity * start.momentum +
-                start.mapped_velocity * misfit);
-      switch (mapping.walls)
-        {
-          case PointMapping::Walls::constrained:
-            {
-              // what the map leaves on fixed unknowns is the walls' impulse
-              const auto [free, fixed] = split(misfit);
-              result.residual_work += free * change;
-              result.reaction_work += fixed * change;
-              break;
-            }
-          case PointMapping::Walls::unconstrained:
-            result.residual_work += misfit * change;
-            break;
-          case PointMapping::Walls::inelastic:
-            {
-              result.residual_work += misfit * change;
-              // M~ w is the impulse with which the walls stop the grid
-              Vector impulse = misfit_of(start.velocity);
-              impulse -= misfit;
-              Vector stopped = start.mapped_velocity;
-              stopped -= start.velocity;
-              const auto [free, fixed] = split(impulse);
-              result.wall_loss         = 0.5 * (stopped * impulse);
-              result.residual_work -= start.velocity * free;
-              result.reaction_work -= start.velocity * fixed;
-              break;
-            }
-        }
+        -0.5 * (mapped * start.momentum + mapped * misfit);
+      map.book(start, misfit, change, result);
     }
   } // namespace
 
   std::vector<EffectCard>
-  account_cards(const PointMapping &mapping, const bool has_moving_walls)
+  account_cards(const PointMapping &mapping)
   {
-    using Walls = PointMapping::Walls;
-    std::vector<EffectCard> cards(5);
-    EffectCard &lumping = cards[0], &pic = cards[1], &inelastic = cards[2],
-               &unconstrained = cards[3], &moving = cards[4];
+    std::vector<EffectCard> cards(2);
+    EffectCard             &lumping = cards[0], &pic = cards[1];
 
     lumping.name           = lumping_effect;
     lumping.setting        = "Method/Lumping above 0";
@@ -93,46 +50,37 @@ namespace emmy
                          "the particles for its loss";
     pic.ledger_columns = {"mapping_loss"};
     pic.is_present     = mapping.flip_fraction < 1.;
-
-    inelastic.name           = inelastic_walls_effect;
-    inelastic.setting        = "Method/Wall mapping = inelastic";
-    inelastic.enters         = "velocity from momentum: a second solve, with "
-                               "one more mass matrix";
-    inelastic.ledger_columns = {"wall_loss"};
-    inelastic.is_present     = mapping.walls == Walls::inelastic;
-
-    unconstrained.name       = unconstrained_walls_effect;
-    unconstrained.setting    = "Method/Wall mapping = unconstrained";
-    unconstrained.enters     = "velocity from momentum: one more mass matrix";
-    unconstrained.is_present = mapping.walls == Walls::unconstrained;
-
-    moving.name           = moving_walls_effect;
-    moving.setting        = "Boundary conditions/Velocity of a side";
-    moving.enters         = "velocity from momentum, Newton: given values";
-    moving.ledger_columns = {"reaction_work"};
-    moving.is_present     = has_moving_walls;
     return cards;
   }
 
-  std::vector<EnergyEntry>
-  account_entries(const StepAccounts &accounts,
-                  const PointMapping &mapping,
-                  const bool          has_moving_walls)
+  template <int dim>
+  StepAccounts
+  empty_accounts(const Balance<dim> &balance)
   {
-    using Kind = EnergyEntry::Kind;
+    StepAccounts none;
+    none.mass_losses = balance.mass_loss_entries();
+    none.map_losses  = balance.velocity_map().loss_entries();
+    return none;
+  }
+
+  template <int dim>
+  std::vector<EnergyEntry>
+  account_entries(const StepAccounts &accounts, const StepMethod<dim> &method)
+  {
+    const PointMapping &mapping       = method.mapping;
+    const std::string   reaction_work = method.balance.reaction_work();
+    using Kind                        = EnergyEntry::Kind;
     std::vector<EnergyEntry> entries;
-    if (has_moving_walls)
-      entries.push_back({"reaction_work", Kind::work, accounts.reaction_work});
+    if (!reaction_work.empty())
+      entries.push_back({reaction_work, Kind::work, accounts.reaction_work});
     if (mapping.lumping > 0.)
       entries.push_back(
         {"lumping_loss", Kind::dissipated, accounts.lumping_loss});
     if (mapping.flip_fraction < 1.)
       entries.push_back(
         {"mapping_loss", Kind::dissipated, accounts.mapping_loss});
-    for (const EnergyEntry &loss : accounts.mass_losses)
-      entries.push_back(loss);
-    if (mapping.walls == PointMapping::Walls::inelastic)
-      entries.push_back({"wall_loss", Kind::dissipated, accounts.wall_loss});
+    for (const auto &losses : {accounts.mass_losses, accounts.map_losses})
+      entries.insert(entries.end(), losses.begin(), losses.end());
     return entries;
   }
 
@@ -165,8 +113,8 @@ namespace emmy
               const unsigned int node = start.active->nodes(group)[a];
               for (unsigned int c = 0; c < dim; ++c)
                 {
-                  const double v0 = v_mapped[dim * node + c],
-                               v1 = v_new[dim * node + c];
+                  const double v0 = v_mapped[unknown<dim>(node, c)],
+                               v1 = v_new[unknown<dim>(node, c)];
                   change[c] += S * (v1 - v0);
                   mean_square += S * (v1 - v0) * (v1 - v0);
                   w[c] += S * v1;
@@ -195,13 +143,11 @@ namespace emmy
            const PointMapping      &mapping,
            const GridMotion        &motion)
   {
-    StepAccounts result;
-    add_works(step.start,
-              equation,
-              mapping,
-              motion.displacement,
-              motion.velocity,
-              result);
+    StepAccounts            result;
+    const VelocityMap<dim> &map    = balance.velocity_map();
+    const Vector           &mapped = map.mapped(step.start);
+    add_works(
+      step.start, equation, map, motion.displacement, motion.velocity, result);
     result.hidden_kinetic_energy += motion.kinetic_energy;
     const bool has_losses = mapping.lumping > 0. || mapping.flip_fraction < 1.;
     if (has_losses)
@@ -215,17 +161,17 @@ namespace emmy
         add_mapping_losses(step,
                            layout,
                            mapping,
-                           active.to_local(step.start.mapped_velocity),
+                           active.to_local(mapped),
                            active.to_local(motion.velocity),
                            result);
       }
     Vector change = motion.velocity;
-    change -= step.start.mapped_velocity;
+    change -= mapped;
     result.mass_losses =
       balance.mass_losses(*step.start.active, change, step.phases);
     if (!has_losses) // M~ has masses that no particle carries
-      for (const EnergyEntry &hidden : balance.mass_losses(
-             *step.start.active, step.start.mapped_velocity, step.phases))
+      for (const EnergyEntry &hidden :
+           balance.mass_losses(*step.start.active, mapped, step.phases))
         result.hidden_kinetic_energy -= hidden.change;
     return result;
   }
@@ -240,6 +186,14 @@ namespace emmy
   INSTANTIATE(2)
   INSTANTIATE(3)
 #undef INSTANTIATE
+  template StepAccounts
+  empty_accounts<2>(const Balance<2> &);
+  template StepAccounts
+  empty_accounts<3>(const Balance<3> &);
+  template std::vector<EnergyEntry>
+  account_entries<2>(const StepAccounts &, const StepMethod<2> &);
+  template std::vector<EnergyEntry>
+  account_entries<3>(const StepAccounts &, const StepMethod<3> &);
   template StepAccounts
   accounts<2>(const StepData<2> &,
               const Balance<2> &,

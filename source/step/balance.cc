@@ -1,21 +1,9 @@
-#include <emmy/base/exceptions.h>
-#include <emmy/effects/moving_places.h>
-#include <emmy/step/balance.h>
+#include <emmy/step/step_equation.h>
 
 #include <algorithm>
 
 namespace emmy
 {
-  double
-  absolute_product(const Vector &a, const Vector &b)
-  {
-    double sum = 0.;
-    auto   j   = b.begin();
-    for (auto i = a.begin(); i != a.end(); ++i, ++j)
-      sum += std::abs(*i) * std::abs(*j);
-    return dealii::Utilities::MPI::sum(sum, a.get_mpi_communicator());
-  }
-
   namespace
   {
     template <int dim>
@@ -30,30 +18,100 @@ namespace emmy
   template <int dim>
   Balance<dim>::Balance(Effects<dim> effects)
     : effects(with_names(std::move(effects)))
-  {}
+    , map_of_method(std::make_unique<VelocityMap<dim>>())
+    , map(map_of_method.get())
+  {
+    for (const auto &term : this->effects.terms)
+      if (VelocityMap<dim> *own = term->velocity_map())
+        {
+          Assert(map == map_of_method.get(),
+                 dealii::ExcMessage("two effects map velocities"));
+          map = own;
+        }
+  }
+
+  template <int dim>
+  VelocityMap<dim> &
+  Balance<dim>::velocity_map() const
+  {
+    return *map;
+  }
+
+  template <int dim>
+  bool
+  Balance<dim>::has_own_map() const
+  {
+    return map != map_of_method.get();
+  }
+
+  template <int dim>
+  bool
+  Balance<dim>::gives_motion() const
+  {
+    return std::any_of(effects.terms.begin(),
+                       effects.terms.end(),
+                       [](const auto &term) { return term->gives_motion(); });
+  }
+
+  template <int dim>
+  Vector
+  Balance<dim>::given_velocity(const ActiveGrid<dim> &active,
+                               const double           time,
+                               Phases                *phases) const
+  {
+    Vector velocity = active.make_vector();
+    for_each(phases, &Effect<dim>::gives_motion, [&](Effect<dim> &effect) {
+      effect.add_given_velocity(active, time, velocity);
+    });
+    return velocity;
+  }
+
+  template <int dim>
+  void
+  Balance<dim>::add_given_displacement(const ActiveGrid<dim> &active,
+                                       const double           time,
+                                       const double           time_step,
+                                       Vector                &displacement,
+                                       Phases                *phases) const
+  {
+    for_each(phases, &Effect<dim>::gives_motion, [&](Effect<dim> &effect) {
+      effect.add_given_displacement(active, time, time_step, displacement);
+    });
+  }
+
+  template <int dim>
+  std::string
+  Balance<dim>::reaction_work() const
+  {
+    for (const auto &term : effects.terms)
+      if (const std::string column = term->reaction_work(); !column.empty())
+        return column;
+    return "";
+  }
+
+  template <int dim>
+  void
+  Balance<dim>::check_step(const double       time,
+                           const double       time_step,
+                           const std::string &where) const
+  {
+    for (const auto &term : effects.terms)
+      term->check_step(time, time_step, where);
+  }
+
+  template <int dim>
+  void
+  Balance<dim>::end_step(const double time, const double time_step) const
+  {
+    for (const auto &term : effects.terms)
+      term->end_step(time, time_step);
+  }
 
   template <int dim>
   std::unique_ptr<StepEquation<dim>>
   Balance<dim>::over(const StepData<dim> &step) const
   {
     return std::make_unique<StepEquation<dim>>(*this, step);
-  }
-
-  template <int dim>
-  template <class Hook>
-  void
-  Balance<dim>::for_each(Phases *phases,
-                         bool (Effect<dim>::*has)() const,
-                         Hook hook) const
-  {
-    for (std::size_t i = 0; i < effects.terms.size(); ++i)
-      {
-        Effect<dim> &effect = *effects.terms[i];
-        if (!(effect.*has)())
-          continue;
-        const auto timed = effect_scope(phases, effects.term_names[i]);
-        hook(effect);
-      }
   }
 
   template <int dim>
@@ -212,218 +270,6 @@ namespace emmy
     return entries;
   }
 
-  template <int dim>
-  StepEquation<dim>::StepEquation(const Balance<dim>  &balance,
-                                  const StepData<dim> &step)
-    : balance(balance)
-    , step(step)
-    , external_force(step.start.active->make_vector())
-    , full_residual(step.start.active->make_vector())
-    , free_residual(step.start.active->make_vector())
-    , trial_states(step.points)
-  {
-    tangent.reinit(step.start.active->sparsity());
-    if (balance.has_loads())
-      step.start.active->add(balance.loads(step), external_force);
-  }
-
-  template <int dim>
-  bool
-  StepEquation<dim>::evaluate(const Vector &solution, const bool with_jacobian)
-  {
-    const ActiveGrid<dim> &active = *step.start.active;
-    const auto             local  = active.to_local(solution);
-    const Iterate<dim>     iterate{solution, local, trial_states};
-
-    found.clear();
-    full_residual = 0.;
-    full_residual -= external_force;
-    force_scale = std::max(external_force.l2_norm(),
-                           2. / step.time_step * step.start.momentum.l2_norm());
-    total_work =
-      absolute_product(external_force, solution) +
-      2. / step.time_step * absolute_product(step.start.momentum, solution);
-    if (with_jacobian)
-      tangent = 0.;
-    if (step.moving)
-      step.moving->begin(step, balance.point_forces(step));
-    Vector force = active.make_vector();
-    for (std::size_t i = 0; i < balance.effects.terms.size(); ++i)
-      {
-        if (!balance.effects.terms[i]->is_force())
-          continue;
-        force = 0.;
-        std::string problem;
-        {
-          const std::string &effect = balance.effects.term_names[i];
-          const auto         timed  = effect_scope(step.phases, effect);
-          problem                   = balance.effects.terms[i]->add(
-            step, iterate, force, with_jacobian ? &tangent : nullptr);
-        }
-        found = agree_on_problem(active.communicator(), problem);
-        if (!found.empty())
-          return false;
-        full_residual += force;
-        force_scale = std::max(force_scale, force.l2_norm());
-        total_work += absolute_product(force, solution);
-      }
-    if (with_jacobian)
-      tangent.compress(dealii::VectorOperation::add);
-
-    free_residual = full_residual;
-    active.constraints().condense(free_residual);
-    if (step.moving)
-      {
-        with_places = active.make_vector();
-        active.add(step.moving->residual_share(), with_places);
-        active.constraints().condense(with_places);
-        with_places += free_residual;
-      }
-    return true;
-  }
-
-  template <int dim>
-  const Vector &
-  StepEquation<dim>::reduced_residual() const
-  {
-    return step.moving ? with_places : free_residual;
-  }
-
-  template <int dim>
-  void
-  StepEquation<dim>::set_velocity_at_start()
-  {
-    Vector misfit = step.start.momentum; // p - M~ v_t
-    step.start.mass.residual(misfit, step.start.velocity, step.start.momentum);
-    full_residual.add(2. / step.time_step, misfit);
-    free_residual = full_residual;
-    step.start.active->constraints().condense(free_residual);
-  }
-
-  template <int dim>
-  const StepData<dim> &
-  StepEquation<dim>::data() const
-  {
-    return step;
-  }
-
-  template <int dim>
-  const Vector &
-  StepEquation<dim>::residual() const
-  {
-    return free_residual;
-  }
-
-  template <int dim>
-  Matrix &
-  StepEquation<dim>::jacobian()
-  {
-    return tangent;
-  }
-
-  template <int dim>
-  void
-  StepEquation<dim>::expand(Vector &increment) const
-  {
-    step.start.active->constraints().expand(increment);
-  }
-
-  template <int dim>
-  double
-  StepEquation<dim>::scale() const
-  {
-    return force_scale;
-  }
-
-  template <int dim>
-  double
-  StepEquation<dim>::work_scale() const
-  {
-    return total_work;
-  }
-
-  template <int dim>
-  double
-  StepEquation<dim>::size(const Vector &increment) const
-  {
-    // sum |dS/dx_j| is at most 2/h: most often this is enough
-    const ActiveGrid<dim> &active = *step.start.active;
-    const double           bound =
-      2. * dim * increment.linfty_norm() / active.smallest_cell_size();
-    if (bound < 0.1)
-      return bound;
-
-    const auto u       = active.to_local(increment);
-    double     largest = 0.;
-    for (const auto &group : step.stencils.groups)
-      for (unsigned int q = 0; q < group.n_points; ++q)
-        largest =
-          std::max(largest,
-                   step.stencils
-                     .displacement_gradient(group, q, active.nodes(group), u)
-                     .norm_square());
-    return std::sqrt(
-      dealii::Utilities::MPI::max(largest, active.communicator()));
-  }
-
-  template <int dim>
-  const std::string &
-  StepEquation<dim>::problem() const
-  {
-    return found;
-  }
-
-  template <int dim>
-  const Vector &
-  StepEquation<dim>::unconstrained_residual() const
-  {
-    return full_residual;
-  }
-
-  template <int dim>
-  const Vector &
-  StepEquation<dim>::load() const
-  {
-    return external_force;
-  }
-
-  template <int dim>
-  PointArrays<dim> &
-  StepEquation<dim>::trial()
-  {
-    return trial_states;
-  }
-
-  template <int dim>
-  const PointArrays<dim> &
-  StepEquation<dim>::trial() const
-  {
-    return trial_states;
-  }
-
-  template <int dim>
-  std::vector<EnergyEntry>
-  StepEquation<dim>::energies(const Vector &solution) const
-  {
-    std::vector<EnergyEntry> entries;
-    balance.for_each(
-      step.phases, &Effect<dim>::is_force, [&](Effect<dim> &effect) {
-        for (auto entry : effect.energies(step, solution, trial_states))
-          {
-            entry.change =
-              dealii::Utilities::MPI::sum(entry.change,
-                                          step.start.active->communicator());
-            entries.push_back(entry);
-          }
-      });
-    if (balance.has_loads())
-      entries.push_back(
-        {"load_work", EnergyEntry::Kind::work, external_force * solution});
-    return entries;
-  }
-
   template class Balance<2>;
   template class Balance<3>;
-  template class StepEquation<2>;
-  template class StepEquation<3>;
 } // namespace emmy

@@ -39,23 +39,6 @@ namespace emmy
       return result;
     }
 
-    /** int N_A of a node inside the grid, m^dim. */
-    template <int dim>
-    double
-    volume_of_node(const dealii::Point<dim>  &position,
-                   const BackgroundGrid<dim> &grid)
-    {
-      double volume = 1.;
-      for (unsigned int d = 0; d < dim; ++d)
-        {
-          const double h    = grid.cell_size()[d];
-          const bool   half = position[d] < grid.lower_corner()[d] + 0.5 * h ||
-                            position[d] > grid.upper_corner()[d] - 0.5 * h;
-          volume *= half ? 0.5 * h : h;
-        }
-      return volume;
-    }
-
     /** A number with two digits. */
     std::string
     rounded(const double number)
@@ -98,7 +81,7 @@ namespace emmy
     for (unsigned int node = 0; node < active.n_owned_nodes(); ++node)
       largest =
         std::max(largest,
-                 filled[node] / volume_of_node(active.position(node), grid));
+                 filled[node] / grid.volume_of_node(active.position(node)));
     return dealii::Utilities::MPI::max(largest, active.communicator()) - 1.;
   }
 

@@ -52,7 +52,7 @@ namespace emmy
                               state.time);
     });
     this->note_limit(chosen, notes);
-    const auto          wall_travel = this->wall_travel_after(chosen.time_step);
+    setting.method.balance.check_step(state.time, chosen.time_step, where());
     const StepData<dim> step{ground.stencils,
                              ground.points,
                              start,
@@ -69,7 +69,7 @@ namespace emmy
     StepReport             result =
       timed("accounts", [&] { return report(ground, step, motion, trial); });
     result.notes.insert(result.notes.begin(), notes.begin(), notes.end());
-    accept(ground, trial, wall_travel, result);
+    accept(ground, trial, result);
     for (const char *phase :
          {"forces and velocities", "motion and stress", "accounts"})
       setting.phases.add_count(phase, ground.points.n_points());
@@ -158,33 +158,30 @@ namespace emmy
   ExplicitStepper<dim>::set_walls(const StepData<dim> &step,
                                   Motion              &motion) const
   {
-    const ActiveGrid<dim> &active = *step.start.active;
-    const bool has_moving = setting.boundary_conditions.has_moving_walls();
-    typename BoundaryConditions<dim>::Sides at_start{}, at_end{};
-    if (has_moving)
+    const ActiveGrid<dim> &active  = *step.start.active;
+    const Balance<dim>    &balance = setting.method.balance;
+    const bool             moves   = balance.gives_motion();
+    std::vector<double>    at_start, at_end;
+    if (moves)
       {
-        at_start = setting.boundary_conditions.wall_velocities(step.time);
-        at_end   = setting.boundary_conditions.wall_velocities(step.time +
-                                                             step.time_step);
+        const auto given_at = [&](const double time) {
+          return active.to_local(
+            balance.given_velocity(active, time, step.phases));
+        };
+        at_start = given_at(step.time);
+        at_end   = given_at(step.time + step.time_step);
       }
     for (unsigned int node = 0; node < active.n_local_nodes(); ++node)
       {
-        const auto &position = active.position(node);
-        const auto  fixed =
-          setting.boundary_conditions.fixed_components(position);
+        const auto fixed =
+          setting.boundary_conditions.fixed_components(active.position(node));
         for (unsigned int c = 0; c < dim; ++c)
           if (fixed[c])
             {
-              const unsigned int i = dim * node + c;
-              motion.is_fixed[i]   = true;
-              motion.velocity_old[i] =
-                has_moving
-                  ? setting.boundary_conditions.value(at_start, position, c)
-                  : 0.;
-              motion.velocity_new[i] =
-                has_moving
-                  ? setting.boundary_conditions.value(at_end, position, c)
-                  : 0.;
+              const unsigned int i   = unknown<dim>(node, c);
+              motion.is_fixed[i]     = true;
+              motion.velocity_old[i] = moves ? at_start[i] : 0.;
+              motion.velocity_new[i] = moves ? at_end[i] : 0.;
             }
       }
   }
@@ -304,9 +301,7 @@ namespace emmy
                                         const double        loss) const
   {
     std::vector<EnergyEntry> entries =
-      emmy::account_entries(accounts,
-                            setting.method.mapping,
-                            setting.boundary_conditions.has_moving_walls());
+      emmy::account_entries(accounts, setting.method);
     entries.push_back(
       {"velocity_update_loss", EnergyEntry::Kind::dissipated, loss});
     return entries;

@@ -3,9 +3,22 @@
 #include <emmy/effects/starved_nodes.h>
 #include <emmy/solve/linear_solver.h>
 #include <emmy/step/failure.h>
+#include <emmy/step/step_equation.h>
 
 namespace emmy
 {
+  template <int dim>
+  RemediesInUse
+  remedies_in_use(const StepSetting<dim> &setting)
+  {
+    const StepMethod<dim> &method = setting.method;
+    return {setting.layout.has("half_length"),
+            method.middle != nullptr,
+            method.balance.has(starved_nodes_effect) ||
+              method.balance.has_own_map(),
+            method.mapping.flip_fraction < 1.};
+  }
+
   template <int dim>
   std::string
   usual_remedy(const StepSetting<dim> &setting)
@@ -87,6 +100,8 @@ namespace emmy
         "Time/Maximum halvings allows smaller steps.");
   }
 
+  template RemediesInUse
+  remedies_in_use<2>(const StepSetting<2> &);
   template std::string
   usual_remedy<2>(const StepSetting<2> &);
   template CutVerdict
@@ -99,6 +114,8 @@ namespace emmy
   give_up<2>(const FailedStep<2> &,
              const StepSetting<2> &,
              const std::string &);
+  template RemediesInUse
+  remedies_in_use<3>(const StepSetting<3> &);
   template std::string
   usual_remedy<3>(const StepSetting<3> &);
   template CutVerdict

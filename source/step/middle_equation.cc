@@ -26,10 +26,8 @@ namespace emmy
     Vector u = on_grid->mean_velocity;
     u *= start.time_step;
     active->constraints().set_zero(u);
-    if (start.boundary_conditions.has_moving_walls())
-      u += active->on_walls(start.boundary_conditions,
-                            start.boundary_conditions.wall_displacements(
-                              start.time, start.time_step));
+    start.balance.add_given_displacement(
+      *active, start.time, start.time_step, u, start.phases);
     active->constraints().expand(u);
     return u;
   }
@@ -106,20 +104,21 @@ namespace emmy
       {
         // in the cell that holds the particle all around is known
         const auto home =
-          grid.lattice(places.particles[i]->get_surrounding_cell());
-        const auto here = grid.lattice(places.positions[i]);
+          grid.key_of(places.particles[i]->get_surrounding_cell());
+        const auto here = grid.key_of(places.positions[i]);
         if (here == home)
           continue;
         dealii::Tensor<1, dim> reach;
         if (!places.half_lengths.empty())
           for (unsigned int d = 0; d < dim; ++d)
-            reach[d] = std::min(places.half_lengths[i][d], grid.cell_size()[d]);
+            reach[d] =
+              std::min(places.half_lengths[i][d], grid.size_of(here)[d]);
         for (unsigned int corner = 0; corner < (1u << dim); ++corner)
           {
             dealii::Point<dim> x = places.positions[i];
             for (unsigned int d = 0; d < dim; ++d)
               x[d] += (corner >> d) & 1 ? reach[d] : -reach[d];
-            if (grid.cell_at(grid.lattice(grid.clamped(x))) == end)
+            if (grid.cell_at(grid.key_of(grid.clamped(x))) == end)
               return "particle " +
                      std::to_string(places.particles[i]->get_id()) +
                      " moves too far within the step for its rank";
@@ -176,7 +175,7 @@ namespace emmy
         places.positions[i] = dealii::Point<dim>(
           0.5 * (dealii::Tensor<1, dim>(places.positions[i]) +
                  places_before.positions[i]));
-        places.cells[i] = start.rules.grid.lattice(places.positions[i]);
+        places.cells[i] = start.rules.grid.key_of(places.positions[i]);
         if (!places.half_lengths.empty())
           places.half_lengths[i] =
             0.5 * (places.half_lengths[i] + places_before.half_lengths[i]);
@@ -246,7 +245,7 @@ namespace emmy
                 points.position(c)[p] - places.positions[stencils.order[p]][c];
               for (unsigned int a = 0; a < group.n_nodes; ++a)
                 arm[c] += 0.5 * stencils.value(group, a)[q] *
-                          local[dim * active->nodes(group)[a] + c];
+                          local[unknown<dim>(active->nodes(group)[a], c)];
               dv[c] = trial.component(velocity + c)[p] -
                       points.component(velocity + c)[p];
             }

@@ -4,6 +4,7 @@
 #include <emmy/effects/inertia.h>
 #include <emmy/effects/starved_nodes.h>
 #include <emmy/step/small_cuts.h>
+#include <emmy/step/step_equation.h>
 
 #include <algorithm>
 #include <cmath>
@@ -72,7 +73,8 @@ namespace emmy
       for (unsigned int node = 0; node < result.size(); ++node)
         {
           for (unsigned int c = 0; c < dim; ++c)
-            result[node] += local[dim * node + c] * local[dim * node + c];
+            result[node] +=
+              local[unknown<dim>(node, c)] * local[unknown<dim>(node, c)];
           result[node] = std::sqrt(result[node]);
           largest      = std::max(largest, result[node]);
         }
@@ -190,7 +192,7 @@ namespace emmy
         double phase = 1.;
         for (unsigned int d = 0; d < dim; ++d)
           phase += (20.3 + 7.1 * d) * active.position(node)[d] /
-                   active.smallest_cell_size();
+                   active.shortest_side();
         for (unsigned int c = 0; c < dim; ++c, ++entry)
           *entry = std::sin(phase + 1.7 * c);
       }

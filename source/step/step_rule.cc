@@ -237,7 +237,7 @@ namespace emmy
     if (parameters.step_rule == "fixed")
       return std::make_unique<ConstantStep<dim>>(parameters.step_size);
 
-    const double        factor = parameters.factor * grid.smallest_cell_size();
+    const double        factor = parameters.factor * grid.shortest_side();
     std::vector<double> moduli;
     double              smallest_ratio = std::numeric_limits<double>::max();
     for (const auto *material : material_of_body)

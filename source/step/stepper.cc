@@ -1,7 +1,6 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
 #include <emmy/effects/inertia.h>
-#include <emmy/effects/starved_nodes.h>
 #include <emmy/step/failure.h>
 #include <emmy/step/stepper.h>
 #include <emmy/step/velocity_map.h>
@@ -13,13 +12,7 @@ namespace emmy
   Stepper<dim>::Stepper(const StepSetting<dim> &setting,
                         const SolverParameters &solver_parameters,
                         RunState<dim>          &state)
-    : Base(setting,
-           state,
-           {setting.layout.has("half_length"),
-            setting.method.middle != nullptr,
-            setting.method.balance.has(starved_nodes_effect) ||
-              setting.method.mapping.walls != PointMapping::Walls::constrained,
-            setting.method.mapping.flip_fraction < 1.})
+    : Base(setting, state, remedies_in_use(setting))
     , solver_parameters(solver_parameters)
     , particles_to_grid(setting.grid,
                         setting.boundary_conditions,
@@ -45,10 +38,7 @@ namespace emmy
       follow(solution);
       return report(solution);
     });
-    accept(solution.ground(),
-           solution.equation().trial(),
-           solution.wall_travel,
-           result);
+    accept(solution.ground(), solution.equation().trial(), result);
     setting.phases.add_count("residual and tangent",
                              solution.ground().points.n_points() *
                                solution.newton.residual_history.size());
@@ -68,7 +58,9 @@ namespace emmy
           where() + (halvings == 0
                        ? std::string()
                        : ", halved " + std::to_string(halvings) + " times"));
-        solution.wall_travel = this->wall_travel_after(solution.time_step);
+        setting.method.balance.check_step(state.time,
+                                          solution.time_step,
+                                          where());
         if (setting.method.middle)
           try_in_middle(solution);
         else
@@ -182,29 +174,36 @@ namespace emmy
   }
 
   template <int dim>
+  StepData<dim>
+  Stepper<dim>::data_of(const Ground<dim>    &ground,
+                        const GridStart<dim> &start,
+                        const double          time_step) const
+  {
+    return {ground.stencils,
+            ground.points,
+            start,
+            state.time,
+            time_step,
+            &setting.phases};
+  }
+
+  template <int dim>
   void
   Stepper<dim>::try_from_start(Solution &solution)
   {
     const Ground<dim>  &ground = *solution.at_start;
-    const StepData<dim> step{ground.stencils,
-                             ground.points,
-                             *start,
-                             state.time,
-                             solution.time_step,
-                             &setting.phases};
-    solution.of_start     = timed("loads and matrices", [&] {
+    const StepData<dim> step   = data_of(ground, *start, solution.time_step);
+    solution.of_start          = timed("loads and matrices", [&] {
       return setting.method.balance.over(step);
     });
-    solution.displacement = start->mean_velocity;
+    solution.displacement      = start->mean_velocity;
     solution.displacement *= step.time_step;
     start->active->constraints().set_zero(solution.displacement);
-    const BoundaryConditions<dim> &walls = setting.boundary_conditions;
-    if (walls.has_moving_walls())
-      {
-        const auto timed = setting.phases.effect(moving_walls_effect);
-        solution.displacement += start->active->on_walls(
-          walls, walls.wall_displacements(state.time, step.time_step));
-      }
+    setting.method.balance.add_given_displacement(*start->active,
+                                                  state.time,
+                                                  step.time_step,
+                                                  solution.displacement,
+                                                  &setting.phases);
     start->active->constraints().expand(solution.displacement);
     solution.newton = Newton(solver_parameters, *linear_solver, setting.phases)
                         .solve(*solution.of_start, solution.displacement);
@@ -279,19 +278,10 @@ namespace emmy
     if (!linear_solver)
       linear_solver =
         make_linear_solver(solver_parameters, start.active->n_dofs(), dim);
-    const BoundaryConditions<dim> &walls         = setting.boundary_conditions;
-    Vector                         wall_velocity = start.active->make_vector();
-    if (walls.has_moving_walls())
-      {
-        const auto timed = setting.phases.effect(moving_walls_effect);
-        wall_velocity =
-          start.active->on_walls(walls, walls.wall_velocities(state.time));
-      }
-    const LinearResult result = map_velocity(setting.method.mapping,
-                                             wall_velocity,
+    const LinearResult result = map_velocity(setting.method.balance,
+                                             data_of(ground, start, 0.),
                                              *linear_solver,
-                                             start,
-                                             &setting.phases);
+                                             start);
     if (result.is_solved)
       return;
     const CutVerdict verdict = verdict_on(
@@ -313,16 +303,21 @@ namespace emmy
       velocity_new(solution.displacement, start->velocity, solution.time_step);
     const auto timed               = setting.phases.scope("accounts");
     const auto &[stencils, points] = solution.ground();
+    const double           alpha   = setting.method.mapping.flip_fraction;
+    const ActiveGrid<dim> &active  = *start->active;
+    // v_p <- alpha v_p + sum S (v_new - alpha v_mapped)
+    Vector change = solution.velocity;
+    change.add(-alpha, setting.method.balance.velocity_map().mapped(*start));
     const std::string problem =
       agree_on_problem(setting.grid.communicator(),
                        move_points(stencils,
                                    points,
-                                   *start,
+                                   active,
                                    setting.grid,
                                    setting.layout,
-                                   setting.method.mapping.flip_fraction,
-                                   solution.displacement,
-                                   solution.velocity,
+                                   alpha,
+                                   active.to_local(solution.displacement),
+                                   active.to_local(change),
                                    solution.equation().trial()));
     solution.leaves_grid = !problem.empty();
     if (!solution.leaves_grid)
@@ -367,23 +362,14 @@ namespace emmy
     result.kinetic_energy_grid_new =
       0.5 * start->mass.matrix_norm_square(solution.velocity);
     result.energies          = equation.energies(solution.displacement);
-    const StepAccounts books = accounts(StepData<dim>{ground.stencils,
-                                                      ground.points,
-                                                      *start,
-                                                      state.time,
-                                                      solution.time_step,
-                                                      &setting.phases},
-                                        setting.method.balance,
-                                        equation,
-                                        setting.layout,
-                                        setting.method.mapping,
-                                        GridMotion{solution.displacement,
-                                                   solution.velocity,
-                                                   kinetic_energy});
-    for (const EnergyEntry &entry :
-         account_entries(books,
-                         setting.method.mapping,
-                         setting.boundary_conditions.has_moving_walls()))
+    const StepAccounts books = accounts(
+      data_of(ground, *start, solution.time_step),
+      setting.method.balance,
+      equation,
+      setting.layout,
+      setting.method.mapping,
+      GridMotion{solution.displacement, solution.velocity, kinetic_energy});
+    for (const EnergyEntry &entry : account_entries(books, setting.method))
       result.energies.push_back(entry);
     result.residual_work     = books.residual_work;
     result.newton_iterations = solution.newton.iterations;
@@ -411,13 +397,10 @@ namespace emmy
   std::vector<EnergyEntry>
   Stepper<dim>::energy_entries() const
   {
-    std::vector<EnergyEntry> entries = setting.method.balance.energy_entries();
-    StepAccounts             none;
-    none.mass_losses = setting.method.balance.mass_loss_entries();
-    for (const EnergyEntry &entry :
-         account_entries(none,
-                         setting.method.mapping,
-                         setting.boundary_conditions.has_moving_walls()))
+    const StepMethod<dim>   &method  = setting.method;
+    std::vector<EnergyEntry> entries = method.balance.energy_entries();
+    const StepAccounts       none    = empty_accounts(method.balance);
+    for (const EnergyEntry &entry : account_entries(none, method))
       entries.push_back(entry);
     return entries;
   }
@@ -503,15 +486,7 @@ namespace emmy
   std::vector<double>
   Stepper<dim>::nodal_mass() const
   {
-    // row sums of the mass matrix
-    Vector ones = start->active->make_vector(), sums = ones;
-    ones = 1.;
-    start->mass.vmult(sums, ones);
-    const std::vector<double> local = start->active->to_local(sums);
-    std::vector<double>       result(start->active->n_local_nodes());
-    for (unsigned int node = 0; node < result.size(); ++node)
-      result[node] = local[dim * node];
-    return result;
+    return lumped_mass(*start);
   }
 
   template class Stepper<2>;

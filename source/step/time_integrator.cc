@@ -77,21 +77,6 @@ namespace emmy
   }
 
   template <int dim>
-  typename TimeIntegrator<dim>::Sides
-  TimeIntegrator<dim>::wall_travel_after(const double time_step) const
-  {
-    Sides travel = state.wall_travel;
-    if (!setting.boundary_conditions.has_moving_walls())
-      return travel;
-    const Sides moved =
-      setting.boundary_conditions.wall_displacements(state.time, time_step);
-    for (unsigned int side = 0; side < 2 * dim; ++side)
-      travel[side] += moved[side];
-    setting.boundary_conditions.check_travel(travel, where());
-    return travel;
-  }
-
-  template <int dim>
   void
   TimeIntegrator<dim>::follow_domains(const Ground<dim>         &ground,
                                       const ActiveGrid<dim>     &active,
@@ -181,7 +166,6 @@ namespace emmy
   void
   TimeIntegrator<dim>::accept(const Ground<dim>      &ground,
                               const PointArrays<dim> &trial,
-                              const Sides            &wall_travel,
                               const StepReport       &report)
   {
     timed("grid to particles", [&] {
@@ -192,9 +176,9 @@ namespace emmy
          {"stencils", "gather", "particles to grid", "grid to particles"})
       setting.phases.add_count(phase, ground.points.n_points());
     state.kinetic_energy = report.totals.kinetic_energy;
-    state.wall_travel    = wall_travel;
-    state.time           = report.time;
-    state.step           = report.step;
+    setting.method.balance.end_step(state.time, report.time_step);
+    state.time = report.time;
+    state.step = report.step;
   }
 
   template class TimeIntegrator<2>;

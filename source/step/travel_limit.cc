@@ -279,12 +279,11 @@ namespace emmy
                           const unsigned int      velocity_component,
                           const unsigned int      mass_component) const
   {
-    std::map<typename BackgroundGrid<dim>::Lattice, std::pair<double, Part>>
-         sums;
+    std::map<CellKey<dim>, std::pair<double, Part>> sums;
     auto here = sums.end(); // points come cell by cell, most often
     for (std::size_t p = 0; p < points.n_points(); ++p)
       {
-        const auto cell = grid.lattice(points.point(p));
+        const auto cell = grid.key_of(points.point(p));
         if (here == sums.end() || here->first != cell)
           here = sums.try_emplace(cell).first;
         auto &[mass, part] = here->second;

@@ -13,12 +13,9 @@ namespace emmy
     std::set<CellOfBody<dim>> found, owned;
     for (const auto &group : stencils.groups)
       {
-        const auto first = grid.lattice(group.origin + 0.5 * grid.cell_size());
+        const auto first = grid.key_above(group.origin);
         for_each_cell_of<dim>(group, [&](const auto &index) {
-          auto cell = first;
-          for (unsigned int d = 0; d < dim; ++d)
-            cell[d] += index[d];
-          found.insert({group.body, cell});
+          found.insert({group.body, further<dim>(first, index)});
         });
       }
     std::map<unsigned int, std::vector<CellOfBody<dim>>> of_others;

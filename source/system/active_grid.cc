@@ -62,7 +62,7 @@ namespace emmy
           owned_ids.push_back(grid.nodes()->local_to_global(i));
       // the order must not depend on which part of the grid has cells
       std::sort(owned_ids.begin(), owned_ids.end(), [&](auto a, auto b) {
-        return grid.node_lattice(a) < grid.node_lattice(b);
+        return grid.node_key(a) < grid.node_key(b);
       });
       return owned_ids;
     }
@@ -165,9 +165,9 @@ namespace emmy
 
   template <int dim>
   double
-  ActiveGrid<dim>::smallest_cell_size() const
+  ActiveGrid<dim>::shortest_side() const
   {
-    return grid.smallest_cell_size();
+    return grid.shortest_side();
   }
 
   template <int dim>
@@ -321,20 +321,6 @@ namespace emmy
   }
 
   template <int dim>
-  Vector
-  ActiveGrid<dim>::on_walls(
-    const BoundaryConditions<dim>                 &boundary_conditions,
-    const typename BoundaryConditions<dim>::Sides &sides) const
-  {
-    Vector result = make_vector();
-    auto   entry  = result.begin();
-    for (unsigned int node = 0; node < n_owned_nodes(); ++node)
-      for (unsigned int c = 0; c < dim; ++c, ++entry)
-        *entry = boundary_conditions.value(sides, node_positions[node], c);
-    return result;
-  }
-
-  template <int dim>
   std::vector<double>
   ActiveGrid<dim>::to_local(const Vector &vector) const
   {
@@ -405,7 +391,7 @@ namespace emmy
           ++known;
         if (known != from.local_index_of.end() && known->first == id)
           for (unsigned int c = 0; c < dim; ++c)
-            result.begin()[dim * node + c] =
+            result.begin()[unknown<dim>(node, c)] =
               vector.begin()[dim * known->second + c];
       }
     return result;

@@ -1,5 +1,6 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/index_limits.h>
+#include <emmy/base/unknown.h>
 #include <emmy/system/node_graph.h>
 
 #include <Epetra_CrsGraph.h>
@@ -49,13 +50,13 @@ namespace emmy
             constraints.affine().get_constraint_entries(first_dofs[node] + c);
           if (!entries) // no condition
             continue;
-          is_free[dim * node + c] = false;
+          is_free[unknown<dim>(node, c)] = false;
           if (entries->empty()) // fixed
             continue;
-          is_following[dim * node + c] = true;
+          is_following[unknown<dim>(node, c)] = true;
           for (const auto &[dof, weight] : *entries)
-            roots_of[dim * node + c].emplace_back(
-              dim * node_of_dof.at(dof - c) + c, weight);
+            roots_of[unknown<dim>(node, c)].emplace_back(
+              unknown<dim>(node_of_dof.at(dof - c), c), weight);
         }
   }
 
@@ -72,8 +73,9 @@ namespace emmy
         std::vector<unsigned int> nodes(clique.nodes, clique.nodes + clique.n);
         for (unsigned int a = 0; a < clique.n; ++a)
           for (unsigned int c = 0; c < dim; ++c)
-            if (is_following[dim * clique.nodes[a] + c])
-              for (const auto &root : roots_of.at(dim * clique.nodes[a] + c))
+            if (is_following[unknown<dim>(clique.nodes[a], c)])
+              for (const auto &root :
+                   roots_of.at(unknown<dim>(clique.nodes[a], c)))
                 nodes.push_back(root.first / dim);
         if (nodes.size() == clique.n)
           continue;
@@ -149,7 +151,7 @@ namespace emmy
       for (unsigned int c = 0; c < dim; ++c)
         {
           int n, *row;
-          graph.ExtractMyRowView(dim * node + c, n, row);
+          graph.ExtractMyRowView(unknown<dim>(node, c), n, row);
           for (int i = 0; i < n; ++i)
             place_of_column[row[i]] = i;
           for (std::size_t k = dim * first[node]; k < dim * first[node + 1];
@@ -276,23 +278,31 @@ namespace emmy
 
   template <int dim>
   void
+  NodeGraph<dim>::add_listed(const dealii::FullMatrix<double> &block,
+                             const Conditions                  conditions,
+                             Matrix                           &matrix) const
+  {
+    if (conditions == Conditions::left_out ||
+        std::all_of(list.begin(), list.end(), [this](const unsigned int i) {
+          return is_free[i] != 0;
+        }))
+      return scatter(list, block, matrix);
+    condense(list, block);
+    scatter(extended, condensed, matrix);
+  }
+
+  template <int dim>
+  void
   NodeGraph<dim>::add(const unsigned int               *nodes,
                       const dealii::FullMatrix<double> &block,
                       Matrix                           &matrix) const
   {
     const unsigned int n = block.m() / dim;
     list.clear();
-    bool all_free = true;
     for (unsigned int a = 0; a < n; ++a)
       for (unsigned int c = 0; c < dim; ++c)
-        {
-          list.push_back(dim * nodes[a] + c);
-          all_free = all_free && is_free[list.back()];
-        }
-    if (all_free)
-      return scatter(list, block, matrix);
-    condense(list, block);
-    scatter(extended, condensed, matrix);
+        list.push_back(unknown<dim>(nodes[a], c));
+    add_listed(block, Conditions::worked_in, matrix);
   }
 
   template <int dim>
@@ -306,19 +316,9 @@ namespace emmy
     for (unsigned int c = 0; c < dim; ++c)
       {
         list.clear();
-        bool all_free = true;
         for (unsigned int a = 0; a < n; ++a)
-          {
-            list.push_back(dim * nodes[a] + c);
-            all_free = all_free && is_free[list.back()];
-          }
-        if (all_free || conditions == Conditions::left_out)
-          scatter(list, nodal, matrix);
-        else
-          {
-            condense(list, nodal);
-            scatter(extended, condensed, matrix);
-          }
+          list.push_back(unknown<dim>(nodes[a], c));
+        add_listed(nodal, conditions, matrix);
       }
   }
 

@@ -279,7 +279,7 @@ namespace emmy
                                    : points.point(p);
               dealii::Tensor<1, dim> used, lowest, highest;
               for (unsigned int d = 0; d < dim; ++d)
-                used[d] = std::min(l[d], grid.cell_size()[d]);
+                used[d] = std::min(l[d], grid.size_at(center)[d]);
               for (unsigned int corner = 0; corner < (1u << dim); ++corner)
                 {
                   dealii::Point<dim> x = center;
@@ -354,7 +354,7 @@ namespace emmy
                                 grid.cell_size()[d]);
             sum += weight;
             for (unsigned int c = 0; c < dim; ++c)
-              result[c] += weight * displacement[dim * node + c];
+              result[c] += weight * displacement[unknown<dim>(node, c)];
           }
         // one but for corners outside the overlapped cells, which clipping at
         // the grid's edge makes possible
@@ -379,7 +379,7 @@ namespace emmy
       for (unsigned int d = 0; d < dim; ++d)
         {
           const double l = trial.component(half_length + d)[p],
-                       h = grid.cell_size()[d];
+                       h = grid.size_at(trial.point(p))[d];
           if (!(l > 1e-6 * h)) // NaN too
             return "the half-length of particle " +
                    std::to_string(stencils.particles[p]->get_id()) + " at (" +
@@ -403,7 +403,7 @@ namespace emmy
     for (std::size_t p = 0; p < trial.n_points(); ++p)
       for (unsigned int d = 0; d < dim; ++d)
         if (trial.component(half_length + d)[p] >
-            grid.cell_size()[d] * (1. + 1e-12))
+            grid.size_at(trial.point(p))[d] * (1. + 1e-12))
           {
             ++result;
             break;

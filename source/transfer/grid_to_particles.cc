@@ -11,32 +11,6 @@ namespace emmy
   std::string
   move_points(const Stencils<dim>       &stencils,
               const PointArrays<dim>    &points,
-              const GridStart<dim>      &start,
-              const BackgroundGrid<dim> &grid,
-              const FieldLayout         &layout,
-              const double               flip_fraction,
-              const Vector              &displacement,
-              const Vector              &velocity_new,
-              PointArrays<dim>          &trial)
-  {
-    // v_p <- alpha v_p + sum S (v_new - alpha v_mapped)
-    Vector velocity_change = velocity_new;
-    velocity_change.add(-flip_fraction, start.mapped_velocity);
-    return move_points(stencils,
-                       points,
-                       *start.active,
-                       grid,
-                       layout,
-                       flip_fraction,
-                       start.active->to_local(displacement),
-                       start.active->to_local(velocity_change),
-                       trial);
-  }
-
-  template <int dim>
-  std::string
-  move_points(const Stencils<dim>       &stencils,
-              const PointArrays<dim>    &points,
               const ActiveGrid<dim>     &active,
               const BackgroundGrid<dim> &grid,
               const FieldLayout         &layout,
@@ -63,9 +37,9 @@ namespace emmy
             v[p] = flip_fraction * v_old[p];
           for (unsigned int a = 0; a < group.n_nodes; ++a)
             {
-              const double *S       = stencils.value(group, a);
-              const double  node_u  = displacement[dim * nodes[a] + c];
-              const double  node_dv = velocity_change[dim * nodes[a] + c];
+              const double *S      = stencils.value(group, a);
+              const double  node_u = displacement[unknown<dim>(nodes[a], c)];
+              const double node_dv = velocity_change[unknown<dim>(nodes[a], c)];
               for (unsigned int p = 0; p < group.n_points; ++p)
                 {
                   x[p] += S[p] * node_u;
@@ -104,15 +78,6 @@ namespace emmy
   }
 
 #define INSTANTIATE(dim)                                             \
-  template std::string move_points<dim>(const Stencils<dim> &,       \
-                                        const PointArrays<dim> &,    \
-                                        const GridStart<dim> &,      \
-                                        const BackgroundGrid<dim> &, \
-                                        const FieldLayout &,         \
-                                        const double,                \
-                                        const Vector &,              \
-                                        const Vector &,              \
-                                        PointArrays<dim> &);         \
   template std::string move_points<dim>(const Stencils<dim> &,       \
                                         const PointArrays<dim> &,    \
                                         const ActiveGrid<dim> &,     \

@@ -29,7 +29,7 @@ namespace emmy
               {
                 weight[node] += mass[p];
                 for (unsigned int c = 0; c < dim; ++c)
-                  momentum[dim * node + c] +=
+                  momentum[unknown<dim>(node, c)] +=
                     mass[p] * points.component(velocity + c)[p];
               }
       active.share(weight);
@@ -37,8 +37,8 @@ namespace emmy
       for (unsigned int node = 0; node < weight.size(); ++node)
         if (grid.is_massless[node])
           for (unsigned int c = 0; c < dim; ++c)
-            grid.velocity[dim * node + c] =
-              momentum[dim * node + c] / weight[node];
+            grid.velocity[unknown<dim>(node, c)] =
+              momentum[unknown<dim>(node, c)] / weight[node];
     }
   } // namespace
 
@@ -82,7 +82,7 @@ namespace emmy
               }
             grid.mass[nodes[a]] += sum_mass;
             for (unsigned int c = 0; c < dim; ++c)
-              grid.momentum[dim * nodes[a] + c] += sum[c];
+              grid.momentum[unknown<dim>(nodes[a], c)] += sum[c];
           }
       }
     active.share(grid.mass);
@@ -97,7 +97,7 @@ namespace emmy
     for (unsigned int node = 0; node < n_nodes; ++node)
       if (grid.mass[node] > least_nodal_mass * largest)
         for (unsigned int c = 0; c < dim; ++c)
-          grid.velocity[dim * node + c] /= grid.mass[node];
+          grid.velocity[unknown<dim>(node, c)] /= grid.mass[node];
       else
         has_massless = grid.is_massless[node] = true;
     if (dealii::Utilities::MPI::max(has_massless ? 1 : 0,

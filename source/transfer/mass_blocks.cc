@@ -51,12 +51,13 @@ namespace emmy
             dealii::Tensor<1, dim> Su;
             for (unsigned int a = 0; a < group.n_nodes; ++a)
               for (unsigned int c = 0; c < dim; ++c)
-                Su[c] += stencils.value(group, a)[p] * u[dim * nodes[a] + c];
+                Su[c] +=
+                  stencils.value(group, a)[p] * u[unknown<dim>(nodes[a], c)];
             Su *= 1. - start.lumping;
             for (unsigned int a = 0; a < group.n_nodes; ++a)
               for (unsigned int c = 0; c < dim; ++c)
                 {
-                  const unsigned int i = dim * nodes[a] + c;
+                  const unsigned int i = unknown<dim>(nodes[a], c);
                   result[i] += m * stencils.value(group, a)[p] *
                                (Su[c] + start.lumping * u[i]);
                 }
@@ -66,8 +67,8 @@ namespace emmy
       for (unsigned int a = 0; a < block.mass.m(); ++a)
         for (unsigned int b = 0; b < block.mass.m(); ++b)
           for (unsigned int c = 0; c < dim; ++c)
-            result[dim * block.nodes[a] + c] +=
-              block.mass(a, b) * u[dim * block.nodes[b] + c];
+            result[unknown<dim>(block.nodes[a], c)] +=
+              block.mass(a, b) * u[unknown<dim>(block.nodes[b], c)];
     });
   }
 

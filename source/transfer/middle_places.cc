@@ -93,7 +93,7 @@ namespace emmy
         dealii::Point<dim> x = states.point(p);
         x += 0.5 * time_step * states.template get<dim>(grid_velocity, p);
         places.positions[p] = grid.clamped(x);
-        places.cells[p]     = grid.lattice(places.positions[p]);
+        places.cells[p]     = grid.key_of(places.positions[p]);
         if (places.half_lengths.empty() || !update)
           continue;
         Tensor<2, dim> Z;
@@ -125,8 +125,8 @@ namespace emmy
           Tensor<1, dim>      w;
           for (unsigned int a = 0; a < group.n_nodes; ++a)
             for (unsigned int c = 0; c < dim; ++c)
-              w[c] +=
-                stencils.value(group, a)[q] * velocity[dim * nodes[a] + c];
+              w[c] += stencils.value(group, a)[q] *
+                      velocity[unknown<dim>(nodes[a], c)];
           trial.set(grid_velocity, p, w);
           const Tensor<2, dim> L =
             stencils.displacement_gradient(group, q, nodes, velocity);

@@ -7,9 +7,6 @@ namespace emmy
 {
   namespace
   {
-    template <int dim>
-    using Lattice = typename BackgroundGrid<dim>::Lattice;
-
     /** Particles on their way: place, position, id and fields of each. */
     template <int dim>
     class Parcel
@@ -20,7 +17,7 @@ namespace emmy
       {}
 
       void
-      add(const Lattice<dim>                             &place,
+      add(const CellKey<dim>                             &place,
           const dealii::Particles::ParticleAccessor<dim> &particle)
       {
         const dealii::Point<dim> x      = particle.get_location();
@@ -39,10 +36,10 @@ namespace emmy
         return values.size() / length;
       }
 
-      Lattice<dim>
+      CellKey<dim>
       place(const std::size_t i) const
       {
-        Lattice<dim> result;
+        CellKey<dim> result;
         for (unsigned int d = 0; d < dim; ++d)
           result[d] = values[i * length + d];
         return result;
@@ -57,17 +54,13 @@ namespace emmy
         const auto cell = grid.cell_at(place(i));
         if (cell == grid.triangulation().end() || !cell->is_locally_owned())
           return false;
-        const double            *from   = &values[i * length + dim];
-        const dealii::Point<dim> corner = grid.corner(place(i));
-        dealii::Point<dim>       x, reference;
+        const double      *from = &values[i * length + dim];
+        dealii::Point<dim> x;
         for (unsigned int d = 0; d < dim; ++d)
-          {
-            x[d]         = from[d];
-            reference[d] = (x[d] - corner[d]) / grid.cell_size()[d];
-          }
+          x[d] = from[d];
         particles.insert_particle(
           x,
-          reference,
+          grid.reference_position(place(i), x),
           static_cast<dealii::types::particle_index>(from[dim]),
           cell,
           dealii::ArrayView<const double>(from + dim + 1,
@@ -127,7 +120,7 @@ namespace emmy
     {
       const unsigned int n_fields = particles.n_properties_per_particle();
       particles.clear();
-      std::map<Lattice<dim>, unsigned int> n_points;
+      std::map<CellKey<dim>, unsigned int> n_points;
       for (std::size_t i = 0; i < parcel.n_particles(); ++i)
         ++n_points[parcel.place(i)];
       grid.cover({n_points.begin(), n_points.end()});
@@ -161,7 +154,7 @@ namespace emmy
     for (auto particle = particles.begin(); particle != particles.end();)
       {
         const auto         cell  = particle->get_surrounding_cell();
-        const Lattice<dim> place = grid.lattice(cell);
+        const CellKey<dim> place = grid.key_of(cell);
         for (; particle != particles.end() &&
                particle->get_surrounding_cell() == cell;
              ++particle)
@@ -170,15 +163,15 @@ namespace emmy
             if (grid.is_in_cell(place, x))
               continue;
             leaving.push_back(particle);
-            moving.add(grid.lattice(x), *particle);
-            fits = fits && grid.window().has_surroundings_of(grid.lattice(x));
+            moving.add(grid.key_of(x), *particle);
+            fits = fits && grid.window().has_surroundings_of(grid.key_of(x));
           }
       }
     particles.remove_particles(leaving);
     if (dealii::Utilities::MPI::min(fits ? 1 : 0, grid.communicator()) == 0)
       {
         for (const auto &particle : particles)
-          moving.add(grid.lattice(particle.get_surrounding_cell()), particle);
+          moving.add(grid.key_of(particle.get_surrounding_cell()), particle);
         move_window(moving, grid, particles);
       }
     deliver(moving, grid, particles);

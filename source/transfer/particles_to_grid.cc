@@ -56,6 +56,20 @@ namespace emmy
   }
 
   template <int dim>
+  std::vector<double>
+  lumped_mass(const GridStart<dim> &start)
+  {
+    Vector ones = start.active->make_vector(), sums = ones;
+    ones = 1.;
+    start.mass.vmult(sums, ones);
+    const std::vector<double> local = start.active->to_local(sums);
+    std::vector<double>       result(start.active->n_local_nodes());
+    for (unsigned int node = 0; node < result.size(); ++node)
+      result[node] = local[unknown<dim>(node, 0)];
+    return result;
+  }
+
+  template <int dim>
   ParticlesToGrid<dim>::ParticlesToGrid(
     const BackgroundGrid<dim>     &grid,
     const BoundaryConditions<dim> &boundary_conditions,
@@ -64,7 +78,6 @@ namespace emmy
     Phases                        *phases)
     : grid(grid)
     , boundary_conditions(boundary_conditions)
-    , mapping(mapping)
     , phases(phases)
     , mass_component(layout["mass"])
     , velocity_component(layout["velocity"])
@@ -85,8 +98,6 @@ namespace emmy
           stencils, couplings, grid, boundary_conditions);
         start.mass.reinit(start.active->sparsity());
         start.damped_mass.reinit(start.active->sparsity());
-        if (mapping.walls != PointMapping::Walls::constrained)
-          start.damped_mass_without_walls.reinit(start.active->sparsity());
         start.momentum      = start.active->make_vector();
         start.mean_velocity = start.active->make_vector();
       }
@@ -112,18 +123,8 @@ namespace emmy
   {
     using Conditions            = typename NodeGraph<dim>::Conditions;
     const NodeGraph<dim> &graph = start.active->graph();
-    const bool            without_walls =
-      mapping.walls != PointMapping::Walls::constrained;
-    const auto walls_scope = [&] {
-      return effect_scope(phases,
-                          mapping.walls == PointMapping::Walls::inelastic
-                            ? inelastic_walls_effect
-                            : unconstrained_walls_effect);
-    };
-    start.mass        = 0.;
-    start.damped_mass = 0.;
-    if (without_walls)
-      start.damped_mass_without_walls = 0.;
+    start.mass                  = 0.;
+    start.damped_mass           = 0.;
 
     const auto add_block = [&](MassBlock &block) {
       graph.add_components(block.nodes,
@@ -136,23 +137,11 @@ namespace emmy
                            block.mass,
                            Conditions::worked_in,
                            start.damped_mass);
-      if (!without_walls)
-        return;
-      const auto timed = walls_scope();
-      graph.add_components(block.nodes,
-                           block.mass,
-                           Conditions::left_out,
-                           start.damped_mass_without_walls);
     };
     for_each_mass_block<dim>(
       stencils, points.component(mass_component), start, phases, add_block);
     start.mass.compress(dealii::VectorOperation::add);
     start.damped_mass.compress(dealii::VectorOperation::add);
-    if (without_walls)
-      {
-        const auto timed = walls_scope();
-        start.damped_mass_without_walls.compress(dealii::VectorOperation::add);
-      }
   }
 
   template <int dim>
@@ -176,7 +165,7 @@ namespace emmy
             {
               const double *v =
                 points.component(velocity_component + c) + group.first_point;
-              const unsigned int i = dim * active.nodes(group)[a] + c;
+              const unsigned int i = unknown<dim>(active.nodes(group)[a], c);
               for (unsigned int p = 0; p < group.n_points; ++p)
                 {
                   const double weight = m[p] * (S[p] + least_weight);
@@ -210,6 +199,10 @@ namespace emmy
   reordered<2>(const PointArrays<2> &, const Stencils<2> &);
   template PointArrays<3>
   reordered<3>(const PointArrays<3> &, const Stencils<3> &);
+  template std::vector<double>
+  lumped_mass<2>(const GridStart<2> &);
+  template std::vector<double>
+  lumped_mass<3>(const GridStart<3> &);
   template class ParticlesToGrid<2>;
   template class ParticlesToGrid<3>;
 } // namespace emmy

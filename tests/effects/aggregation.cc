@@ -13,12 +13,9 @@ using namespace emmy;
 
 namespace
 {
-  template <int dim>
-  using Lattice = typename BackgroundGrid<dim>::Lattice;
-
   /** A node, counted in cells, and its roots. */
   template <int dim>
-  using Choice = std::map<Lattice<dim>, std::vector<Lattice<dim>>>;
+  using Choice = std::map<CellKey<dim>, std::vector<CellKey<dim>>>;
 
   /** Points at the centres of a subdivision of each cell, as bodies fill. */
   template <int dim>
@@ -78,10 +75,10 @@ namespace
   };
 
   template <int dim>
-  Lattice<dim>
+  CellKey<dim>
   lattice_of(const dealii::Point<dim> &x, const BackgroundGrid<dim> &grid)
   {
-    Lattice<dim> result;
+    CellKey<dim> result;
     for (unsigned int d = 0; d < dim; ++d)
       result[d] =
         std::lround((x[d] - grid.lower_corner()[d]) / grid.cell_size()[d]);
@@ -113,7 +110,7 @@ namespace
     std::vector<std::array<unsigned int, 2 * dim>> mine;
     for (const Follower<dim> &follower : aggregates.followers)
       if (grid.nodes()->in_local_range(follower.node_id))
-        for (const Lattice<dim> &root : follower.roots)
+        for (const CellKey<dim> &root : follower.roots)
           {
             const auto node =
               lattice_of<dim>(grid.node_position(follower.node_id), grid);
@@ -126,7 +123,7 @@ namespace
          dealii::Utilities::MPI::all_gather(grid.communicator(), mine))
       for (const auto &entry : part)
         {
-          Lattice<dim> node, root;
+          CellKey<dim> node, root;
           std::copy_n(entry.begin(), dim, node.begin());
           std::copy_n(entry.begin() + dim, dim, root.begin());
           all[node].push_back(root);
@@ -158,7 +155,7 @@ namespace
     test::check(renewed.n_followers == 6 && renewed.n_kept == 0,
                 "nodes that are new starve: " + renewed.text());
     for (const auto &[node, roots] : choices(renewed, *before.grid))
-      for (const Lattice<2> &root : roots)
+      for (const CellKey<2> &root : roots)
         test::check(root[0] == 2u && node[0] >= 4,
                     "they follow roots that are still active");
 
@@ -195,7 +192,7 @@ namespace
       test::check(found.n_followers == 3 && found.n_kept == 0 &&
                     found.farthest_root == 1 && found.largest_weight == 2.,
                   "a sliver: " + found.text());
-      using Cells = std::vector<Lattice<2>>;
+      using Cells = std::vector<CellKey<2>>;
       test::check(roots.count({{4, 2}}) &&
                     roots.at({{4, 1}}) == Cells{{{2, 1}}} &&
                     roots.at({{4, 3}}) == Cells{{{2, 2}}},
@@ -241,7 +238,7 @@ namespace
       const auto found = aggregate(gap, 0.2);
       const auto roots = choices(found, *gap.grid);
       test::check(roots.at({{4, 2}}) ==
-                    std::vector<Lattice<2>>(
+                    std::vector<CellKey<2>>(
                       {{{2, 1}}, {{2, 2}}, {{5, 1}}, {{5, 2}}}),
                   "a node between two bodies follows both");
       for (const auto &follower : found.followers)
@@ -259,7 +256,7 @@ namespace
       const auto roots = choices(aggregate(apart, 0.2), *apart.grid);
       test::check(!roots.empty(), "nodes at the gap starve");
       for (const auto &[node, of_node] : roots)
-        for (const Lattice<2> &root : of_node)
+        for (const CellKey<2> &root : of_node)
           test::check(root[0] == 2u, "a node follows what its cells touch");
     }
     check_held_classes();

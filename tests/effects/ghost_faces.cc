@@ -141,7 +141,7 @@ namespace
     parameters.cells        = {8, 6};
     parameters.upper_corner = dealii::Point<2>(4., 3.);
     const BackgroundGrid<2> grid(parameters, MPI_COMM_WORLD);
-    BoundaryParameters      boundary(2);
+    BoundaryParameters      boundary;
     boundary.roller = rollers;
     const BoundaryConditions<2> walls(boundary, grid);
 

@@ -4,7 +4,7 @@
 #include <deal.II/base/mpi.h>
 
 #include <emmy/particles/body_measures.h>
-#include <emmy/particles/particle_lattice.h>
+#include <emmy/particles/particle_layout.h>
 
 #include <random>
 
@@ -152,7 +152,7 @@ namespace
                     upper,
                     std::to_string(dim) + "D box " + std::to_string(trial));
         // the nearest spacing: no other division is nearer
-        const ParticleLattice<dim> lattice(filled.bodies[0], *filled.grid);
+        const ParticleLayout<dim> lattice(filled.bodies[0], *filled.grid);
         for (unsigned int d = 0; d < dim; ++d)
           {
             const double wanted = filled.grid->cell_size()[d] / n,

@@ -55,7 +55,7 @@ namespace
               moved.positions[0][k] += change;
             else if (!places.half_lengths.empty())
               moved.half_lengths[0][k - dim] += change;
-            moved.cells[0]   = grid.lattice(moved.positions[0]);
+            moved.cells[0]   = grid.key_of(moved.positions[0]);
             const auto there = shape_functions.evaluate(moved, grid);
             is_smooth        = is_smooth && there.node_ids == here.node_ids;
             around[side]     = weights(there);
@@ -97,7 +97,7 @@ namespace
     dealii::Particles::ParticleHandler<dim> particles(grid.triangulation(),
                                                       grid.mapping(),
                                                       layout.n_components());
-    typename BackgroundGrid<dim>::Lattice   middle;
+    CellKey<dim>                            middle;
     middle.fill(2);
     particles.insert_particle(grid.corner(middle),
                               dealii::Point<dim>(),
@@ -112,7 +112,7 @@ namespace
           places.positions[0][d] =
             grid.lower_corner()[d] +
             (grid.upper_corner()[d] - grid.lower_corner()[d]) * unit(generator);
-        places.cells[0] = grid.lattice(places.positions[0]);
+        places.cells[0] = grid.key_of(places.positions[0]);
         compare<dim>(linear, grid, places, "linear");
         places.half_lengths.resize(1);
         for (unsigned int d = 0; d < dim; ++d)
@@ -131,7 +131,7 @@ namespace
             places.positions[0][d] =
               grid.corner(middle)[d] + (is_lower ? from_face : h - from_face);
           }
-        places.cells[0]       = grid.lattice(places.positions[0]);
+        places.cells[0]       = grid.key_of(places.positions[0]);
         const auto   stencils = gimp.evaluate(places, grid);
         const auto  &group    = stencils.groups[0];
         unsigned int n_in_box = 1;

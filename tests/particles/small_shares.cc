@@ -39,7 +39,7 @@ namespace
       , linear(layout["body"])
       , particles(grid.triangulation(), grid.mapping(), layout.n_components())
     {
-      typename BackgroundGrid<dim>::Lattice middle;
+      CellKey<dim> middle;
       middle.fill(2);
       particles.insert_particle(grid.corner(middle),
                                 dealii::Point<dim>(),
@@ -54,19 +54,18 @@ namespace
     {
       Places<dim> places  = linear.places(particles, grid);
       places.positions[0] = x;
-      places.cells[0]     = grid.lattice(x);
+      places.cells[0]     = grid.key_of(x);
       places.half_lengths = {l};
       return functions.evaluate(places, grid);
     }
 
     /** S and h grad S of a node; nothing if it is not reached. */
     std::vector<double>
-    weights(const Stencils<dim>                         &stencils,
-            const typename BackgroundGrid<dim>::Lattice &node) const
+    weights(const Stencils<dim> &stencils, const CellKey<dim> &node) const
     {
       const auto &group = stencils.groups[0];
       for (unsigned int a = 0; a < group.n_nodes; ++a)
-        if (grid.node_lattice(stencils.node_ids[a]) == node)
+        if (grid.node_key(stencils.node_ids[a]) == node)
           {
             std::vector<double> result{stencils.value(group, a)[0]};
             for (unsigned int d = 0; d < dim; ++d)
@@ -161,8 +160,7 @@ namespace
                 alone.check_sums(stencils, x, name);
                 bool is_reached = false;
                 for (const auto id : stencils.node_ids)
-                  is_reached =
-                    is_reached || alone.grid.node_lattice(id)[d] == 4;
+                  is_reached = is_reached || alone.grid.node_key(id)[d] == 4;
                 test::check(is_reached == (end == 1e-3),
                             name + "a node is active for " +
                               std::to_string(end * 1e9) + "e-9 of a cell");
@@ -172,7 +170,7 @@ namespace
           for (const double end : {1e-5, 2e-2})
             {
               beyond.fill(-0.05);
-              typename BackgroundGrid<dim>::Lattice corner, inner;
+              CellKey<dim> corner, inner;
               corner.fill(3);
               for (unsigned int d = 0; d < n; ++d)
                 {
@@ -230,7 +228,7 @@ namespace
                     name + "more nodes beyond it");
         for (const auto id : stencils[1].node_ids)
           {
-            const auto node   = alone.grid.node_lattice(id);
+            const auto node   = alone.grid.node_key(id);
             auto       before = alone.weights(stencils[0], node);
             before.resize(dim + 1, 0.);
             const auto after = alone.weights(stencils[1], node);
@@ -260,10 +258,10 @@ namespace
         parameters.cells[d]        = 1000;
         parameters.upper_corner[d] = 1000.;
       }
-    BackgroundGrid<dim>                   grid(parameters,
+    BackgroundGrid<dim> grid(parameters,
                              MPI_COMM_WORLD,
                              BackgroundGrid<dim>::Cells::none);
-    typename BackgroundGrid<dim>::Lattice home;
+    CellKey<dim>        home;
     home.fill(2);
     grid.cover({{home, 1}});
     FieldLayout                             layout = basic_fields(dim);
@@ -285,7 +283,7 @@ namespace
       {
         for (unsigned int d = 0; d < dim; ++d)
           places.positions[0][d] = 999.5;
-        places.cells[0]     = grid.lattice(places.positions[0]);
+        places.cells[0]     = grid.key_of(places.positions[0]);
         places.half_lengths = {dealii::Tensor<1, dim>()};
       }
     for (const ShapeFunctions<dim> *functions :

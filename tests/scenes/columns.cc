@@ -35,8 +35,8 @@ namespace
                      const double gravity,
                      const double modulus)
   {
-    double    sum = 0.;
-    const int n   = 20000;
+    constexpr int n   = 20000;
+    double        sum = 0.;
     for (int i = 0; i < n; ++i)
       {
         const double load = 1000. * gravity * length * (i + 0.5) / n / modulus;
@@ -186,19 +186,14 @@ namespace
   }
 
   std::string
-  list(const Settings &settings)
+  list(Settings settings)
   {
-    std::string result;
-    for (const std::string &setting : settings)
-      result += (result.empty() ? "" : ", ") +
-                setting.substr(setting.find_last_of('/') + 1);
-    return result;
+    for (std::string &setting : settings)
+      setting.erase(0, setting.find_last_of('/') + 1);
+    return join(settings);
   }
 
-  // ------------------------------------------------------------------------
-
-  /** prm/validation/slow-column.prm with cells, steps and points of one's own.
-   */
+  /** prm/validation/slow-column.prm with other cells, steps and points. */
   Settings
   slow(const unsigned int n_cells, const double step, const unsigned int points)
   {
@@ -289,8 +284,6 @@ namespace
     test::check(std::abs(column.settlement() - at_last) > 0.05 * at_last,
                 "with the geometry of the start the column is wrong");
   }
-
-  // ------------------------------------------------------------------------
 
   std::string
   column_text(const unsigned int dim,

@@ -293,7 +293,7 @@ namespace
           set("half_length", {0.25 * F, 0.25 * F});
           set("deformation_gradient", {F, 0., 0., F});
           set("velocity", {noise(generator), noise(generator)});
-          const auto cell = run.scene.grid.cell_at(run.scene.grid.lattice(x));
+          const auto cell = run.scene.grid.cell_at(run.scene.grid.key_of(x));
           particles.insert_particle(
             x,
             Point<2>(),

@@ -274,10 +274,10 @@ namespace
     GridStart<2>      &start = map(stencils, points);
     const auto         solver =
       make_linear_solver(parameters.solver, start.active->n_dofs(), 2);
-    map_velocity(scene.mapping, start.active->make_vector(), *solver, start);
     const StepData<2> step{stencils, points, start, 0., 0.1};
-    const auto        equation = scene.balance.over(step);
-    Vector            u        = start.mean_velocity;
+    map_velocity(scene.balance, step, *solver, start);
+    const auto equation = scene.balance.over(step);
+    Vector     u        = start.mean_velocity;
     u *= step.time_step;
     const NewtonResult newton =
       Newton(parameters.solver, *solver, scene.phases).solve(*equation, u);

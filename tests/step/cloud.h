@@ -5,7 +5,9 @@
 #include <emmy/effects/gravity.h>
 #include <emmy/effects/inertia.h>
 #include <emmy/effects/internal_force.h>
+#include <emmy/effects/moving_walls.h>
 #include <emmy/effects/starved_nodes.h>
+#include <emmy/effects/wall_mapping.h>
 #include <emmy/material/hencky.h>
 #include <emmy/material/von_mises.h>
 #include <emmy/particles/gimp.h>
@@ -31,15 +33,16 @@ namespace emmy
     /** What a test asks of a random cloud of particles. */
     struct CloudOptions
     {
-      unsigned int             n_points  = 60;
-      unsigned int             seed      = 1;
-      bool                     gravity   = false;
-      std::vector<std::string> roller    = {}; ///< sides of the grid
-      std::vector<std::string> fixed     = {};
-      double                   stiffness = 1e3; ///< Young's modulus, Pa
-      bool                     gimp      = false;
-      bool                     plastic   = false;
-      bool                     moving    = false;   ///< the side y-min
+      unsigned int             n_points     = 60;
+      unsigned int             seed         = 1;
+      bool                     gravity      = false;
+      std::vector<std::string> roller       = {}; ///< sides of the grid
+      std::vector<std::string> fixed        = {};
+      double                   stiffness    = 1e3; ///< Young's modulus, Pa
+      bool                     gimp         = false;
+      bool                     plastic      = false;
+      bool                     moving       = false; ///< the side y-min
+      std::string              wall_mapping = "constrained";
       double ghost_mass = 0., ghost_stiffness = 0.; ///< penalties
       double aggregation = 0.;                      ///< mass threshold; 0: none
       double width = 1.; ///< of the grid in x, from below, that has points
@@ -54,6 +57,7 @@ namespace emmy
     {
       std::unique_ptr<GridParameters<dim>>     grid_parameters;
       std::unique_ptr<BoundaryParameters>      boundary_parameters;
+      std::unique_ptr<MovingWallParameters>    moving_walls;
       std::unique_ptr<SolverParameters>        solver_parameters;
       std::unique_ptr<BackgroundGrid<dim>>     grid;
       std::unique_ptr<BoundaryConditions<dim>> boundary_conditions;
@@ -69,7 +73,8 @@ namespace emmy
       {
         dealii::ParameterAcceptor::clear();
         grid_parameters     = std::make_unique<GridParameters<dim>>();
-        boundary_parameters = std::make_unique<BoundaryParameters>(dim);
+        boundary_parameters = std::make_unique<BoundaryParameters>();
+        moving_walls        = std::make_unique<MovingWallParameters>(dim);
         solver_parameters   = std::make_unique<SolverParameters>();
 
         // not a cube, not at the origin
@@ -85,7 +90,7 @@ namespace emmy
         boundary_parameters->roller = options.roller;
         boundary_parameters->fixed  = options.fixed;
         if (options.moving)
-          boundary_parameters->velocities[2] =
+          moving_walls->velocities[2] =
             dim == 2 ? "0.4 + t; -0.3" : "0.4 + t; -0.3; 0.2";
         boundary_conditions =
           std::make_unique<BoundaryConditions<dim>>(*boundary_parameters,
@@ -107,6 +112,13 @@ namespace emmy
         effects.terms.push_back(std::make_unique<Inertia<dim>>(layout["mass"]));
         effects.terms.push_back(std::make_unique<InternalForce<dim>>(
           std::vector<const Material<dim> *>{material.get()}, layout));
+        if (options.moving)
+          effects.terms.push_back(std::make_unique<MovingWalls<dim>>(
+            *moving_walls, *boundary_conditions, *grid));
+        if (options.wall_mapping != "constrained")
+          effects.terms.push_back(
+            std::make_unique<WallMapping<dim>>(options.wall_mapping,
+                                               layout["mass"]));
         if (options.gravity)
           {
             for (unsigned int d = 0; d < dim; ++d)

@@ -11,10 +11,10 @@ using namespace emmy;
 
 namespace
 {
-  const std::vector<std::pair<PointMapping::Walls, std::string>> wall_mappings{
-    {PointMapping::Walls::constrained, "W1"},
-    {PointMapping::Walls::unconstrained, "W2"},
-    {PointMapping::Walls::inelastic, "W3"}};
+  const std::vector<std::pair<std::string, std::string>> wall_mappings{
+    {"constrained", "W1"},
+    {"unconstrained", "W2"},
+    {"inelastic", "W3"}};
 
   /** Some rank has no points, if there are several. */
   void
@@ -91,7 +91,7 @@ namespace
                   PointMapping mapping;
                   mapping.flip_fraction = alpha;
                   mapping.lumping       = epsilon;
-                  mapping.walls         = walls;
+                  options.wall_mapping  = walls;
                   test::OneStep<dim>(
                     options,
                     mapping,
@@ -222,8 +222,7 @@ namespace
               for (const auto &[walls, name] : wall_mappings)
                 for (const unsigned int n_iterations : {1u, 50u})
                   {
-                    if (kind == none &&
-                        walls != PointMapping::Walls::constrained)
+                    if (kind == none && walls != "constrained")
                       continue;
                     test::CloudOptions options;
                     options.n_points = dim == 2 ? 6 * 12 : 5 * 36;
@@ -240,7 +239,7 @@ namespace
                     PointMapping mapping;
                     mapping.flip_fraction = alpha;
                     mapping.lumping       = epsilon;
-                    mapping.walls         = walls;
+                    options.wall_mapping  = walls;
                     test::OneStep<dim>(options,
                                        mapping,
                                        n_iterations,

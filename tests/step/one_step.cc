@@ -1,4 +1,4 @@
-#include "one_step.h"
+#include "grid_sums.h"
 
 #include <emmy/step/velocity_map.h>
 #include <emmy/transfer/grid_to_particles.h>
@@ -15,72 +15,6 @@ namespace emmy
     namespace
     {
       constexpr double tolerance = 1e-14;
-
-      using Vector3 = dealii::Tensor<1, 3>;
-
-      Vector
-      times(const Matrix &matrix, const Vector &vector)
-      {
-        Vector result = vector;
-        matrix.vmult(result, vector);
-        return result;
-      }
-
-      template <int dim>
-      Vector3
-      in_space(const std::vector<double> &values, const unsigned int node)
-      {
-        Vector3 result;
-        for (unsigned int c = 0; c < dim; ++c)
-          result[c] = values[dim * node + c];
-        return result;
-      }
-
-      /** Sum of a_A x b_A over nodes, and of the sizes of its terms.
-       * @param n_nodes of this rank, without those that others own */
-      template <int dim>
-      std::pair<Vector3, double>
-      cross(const std::vector<double> &a,
-            const std::vector<double> &b,
-            const unsigned int         n_nodes)
-      {
-        Vector3 sum;
-        double  size = 0.;
-        for (unsigned int node = 0; node < n_nodes; ++node)
-          {
-            const auto a_A = in_space<dim>(a, node),
-                       b_A = in_space<dim>(b, node);
-            sum += cross_product_3d(a_A, b_A);
-            size += a_A.norm() * b_A.norm();
-          }
-        return {sum_over_ranks(sum), sum_over_ranks(size)};
-      }
-
-      template <int dim>
-      Motion
-      motion(const PointArrays<dim> &points, const FieldLayout &layout)
-      {
-        Motion result;
-        for (std::size_t p = 0; p < points.n_points(); ++p)
-          {
-            const double m = points.component(layout["mass"])[p];
-            Vector3      x, v;
-            for (unsigned int d = 0; d < dim; ++d)
-              {
-                x[d] = points.position(d)[p];
-                v[d] = points.component(layout["velocity"] + d)[p];
-              }
-            result.energy += 0.5 * m * v.norm_square();
-            result.linear += m * v;
-            result.angular += m * cross_product_3d(x, v);
-            result.angular_size += m * x.norm() * v.norm();
-          }
-        result.energy       = sum_over_ranks(result.energy);
-        result.linear       = sum_over_ranks(result.linear);
-        result.angular      = sum_over_ranks(result.angular);
-        result.angular_size = sum_over_ranks(result.angular_size);
-        return result;
-      }
     } // namespace
 
     template <int dim>
@@ -117,8 +51,8 @@ namespace emmy
         return absolute_product(v, times(start.mass, v));
       };
       scale = before.energy + after.energy + size_of(start.velocity) +
-              size_of(v_new) + size_of(start.mapped_velocity) +
-              std::abs(stored) + std::abs(equation->load() * u) +
+              size_of(v_new) + size_of(v_mapped) + std::abs(stored) +
+              std::abs(equation->load() * u) +
               std::abs(equation->unconstrained_residual() * u);
 
       local_u = x_old = x_mid = x_new = active.to_local(u);
@@ -138,20 +72,17 @@ namespace emmy
     {
       const auto solver =
         make_linear_solver(*cloud.solver_parameters, active.n_dofs(), dim);
-      const auto  &walls = *cloud.boundary_conditions;
-      const Vector wall_velocity =
-        active.on_walls(walls, walls.wall_velocities(0.));
-      test::check(
-        map_velocity(mapping, wall_velocity, *solver, start).is_solved,
-        what + ": the map is solved");
+      const StepData<dim> step{stencils, points, start, 0., dt};
+      test::check(map_velocity(*cloud.balance, step, *solver, start).is_solved,
+                  what + ": the map is solved");
+      v_mapped = cloud.balance->velocity_map().mapped(start);
 
       // some Newton iterations, or all it takes
-      const StepData<dim> step{stencils, points, start, 0., dt};
       equation = cloud.balance->over(step);
       u        = Vector(start.mean_velocity);
       u *= dt;
       active.constraints().set_zero(u);
-      u += active.on_walls(walls, walls.wall_displacements(0., dt));
+      cloud.balance->add_given_displacement(active, 0., dt, u, nullptr);
       active.constraints().expand(u);
       cloud.solver_parameters->maximum_iterations = n_iterations;
       Phases phases(MPI_COMM_WORLD);
@@ -163,16 +94,18 @@ namespace emmy
       else
         test::check(!is_converged, what + ": Newton is stopped early");
 
-      v_new = velocity_new(u, start.velocity, dt);
-      trial = equation->trial();
+      v_new         = velocity_new(u, start.velocity, dt);
+      trial         = equation->trial();
+      Vector change = v_new;
+      change.add(-mapping.flip_fraction, v_mapped);
       test::check(move_points(stencils,
                               points,
-                              start,
+                              active,
                               *cloud.grid,
                               cloud.layout,
                               mapping.flip_fraction,
-                              u,
-                              v_new,
+                              active.to_local(u),
+                              active.to_local(change),
                               trial)
                     .empty(),
                   what + ": no particle leaves the grid");
@@ -206,14 +139,13 @@ namespace emmy
       const double K_grid_old =
         0.5 * start.mass.matrix_norm_square(start.velocity);
       const double K_grid_new = 0.5 * start.mass.matrix_norm_square(v_new);
-      const double K_mapped =
-        0.5 * start.mass.matrix_norm_square(start.mapped_velocity);
+      const double K_mapped   = 0.5 * start.mass.matrix_norm_square(v_mapped);
       const double K_old = before.energy, K_new = after.energy;
 
       vanishes(K_grid_new - K_grid_old + stored - W - ru, "energy of the grid");
       vanishes(K_new - K_old + stored - W - books.residual_work -
                  books.reaction_work + books.lumping_loss + books.mapping_loss +
-                 ghost_mass_loss() + books.wall_loss,
+                 ghost_mass_loss() + wall_loss(),
                "energy of the particles");
 
       double potential = 0.;
@@ -238,8 +170,7 @@ namespace emmy
                  "PIC: particles have the energy v.M v/2 of the grid");
       if (is_free())
         vanishes(K_old - K_mapped - unresolved() -
-                   0.5 *
-                     (start.mapped_velocity * X_times(start.mapped_velocity)),
+                   0.5 * (v_mapped * X_times(v_mapped)),
                  "kinetic energy that the grid cannot see (table 1)");
     }
 
@@ -277,15 +208,15 @@ namespace emmy
         return fixed * b;
       };
       double wall_work = on_fixed(equation->unconstrained_residual(), u);
-      if (mapping.walls == PointMapping::Walls::constrained)
+      if (options.wall_mapping == "constrained")
         wall_work += on_fixed(misfit(start.velocity), change());
-      if (mapping.walls == PointMapping::Walls::inelastic)
+      if (options.wall_mapping == "inelastic")
         wall_work -= on_fixed(times(start.mass, stopped()), start.velocity);
       vanishes(books.reaction_work - wall_work, "the work of walls");
       test::check(options.moving ? books.reaction_work != 0.
                                  : std::abs(books.reaction_work) == 0.,
                   what + ": only a wall that moves does work");
-      vanishes(books.wall_loss - 0.5 * start.mass.matrix_norm_square(stopped()),
+      vanishes(wall_loss() - 0.5 * start.mass.matrix_norm_square(stopped()),
                "the wall loss is w.M~ w/2");
     }
 
@@ -293,8 +224,8 @@ namespace emmy
     void
     OneStep<dim>::check_map() const
     {
-      Vector left = misfit(is_free() ? start.mapped_velocity : start.velocity);
-      if (mapping.walls == PointMapping::Walls::constrained)
+      Vector left = misfit(is_free() ? v_mapped : start.velocity);
+      if (options.wall_mapping == "constrained")
         active.constraints().condense(left);
       test::check_close(left.l2_norm(),
                         0.,
@@ -320,7 +251,7 @@ namespace emmy
       Vector       acting = equation->load();
       acting += equation->unconstrained_residual();
       const Vector iota        = misfit(start.velocity),
-                   iota_mapped = misfit(start.mapped_velocity);
+                   iota_mapped = misfit(v_mapped);
       Vector impulse           = times(start.mass, stopped());
       impulse *= -1.;
 
@@ -385,6 +316,13 @@ namespace emmy
     }
 
     template <int dim>
+    double
+    OneStep<dim>::wall_loss() const
+    {
+      return books.map_losses.empty() ? 0. : books.map_losses[0].change;
+    }
+
+    template <int dim>
     void
     OneStep<dim>::check_followers()
     {
@@ -435,7 +373,7 @@ namespace emmy
     OneStep<dim>::is_free() const
     {
       return (options.fixed.empty() && options.roller.empty()) ||
-             mapping.walls != PointMapping::Walls::constrained;
+             options.wall_mapping != "constrained";
     }
 
     template <int dim>
@@ -460,7 +398,7 @@ namespace emmy
     Vector
     OneStep<dim>::stopped() const
     {
-      Vector result = start.mapped_velocity;
+      Vector result = v_mapped;
       result -= start.velocity;
       return result;
     }
@@ -470,7 +408,7 @@ namespace emmy
     OneStep<dim>::change() const
     {
       Vector result = v_new;
-      result -= start.mapped_velocity;
+      result -= v_mapped;
       return result;
     }
 
@@ -478,8 +416,8 @@ namespace emmy
     double
     OneStep<dim>::unresolved() const
     {
-      const auto v_mapped = active.to_local(start.mapped_velocity);
-      double     result   = 0.;
+      const auto local  = active.to_local(v_mapped);
+      double     result = 0.;
       for (const auto &group : stencils.groups)
         for (unsigned int q = 0; q < group.n_points; ++q)
           for (unsigned int d = 0; d < dim; ++d)
@@ -488,7 +426,7 @@ namespace emmy
               double     v = points.component(cloud.layout["velocity"] + d)[p];
               for (unsigned int a = 0; a < group.n_nodes; ++a)
                 v -= stencils.value(group, a)[q] *
-                     v_mapped[dim * active.nodes(group)[a] + d];
+                     local[dim * active.nodes(group)[a] + d];
               result += 0.5 * points.component(cloud.layout["mass"])[p] * v * v;
             }
       return sum_over_ranks(result);

@@ -76,6 +76,8 @@ namespace emmy
       couplings() const;
       double
       ghost_mass_loss() const;
+      double
+      wall_loss() const;
       /** p - M~ v */
       Vector
       misfit(const Vector &v) const;
@@ -109,7 +111,7 @@ namespace emmy
 
       std::unique_ptr<StepEquation<dim>> equation;
       bool                               is_converged = false;
-      Vector                             u, v_new;
+      Vector                             u, v_mapped, v_new;
       PointArrays<dim>                   trial;
       StepAccounts                       books;
       Motion                             before, after;

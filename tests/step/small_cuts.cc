@@ -190,7 +190,7 @@ namespace
       parameters.cells        = {8, 8};
       parameters.upper_corner = dealii::Point<2>(4., 8.);
       const BackgroundGrid<2>     grid(parameters, communicator);
-      const BoundaryParameters    boundary(2);
+      const BoundaryParameters    boundary;
       const BoundaryConditions<2> walls(boundary, grid);
 
       FieldLayout                           layout = basic_fields(2);

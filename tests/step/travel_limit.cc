@@ -24,7 +24,7 @@ namespace
   struct Scatter
   {
     GridParameters<dim>                      grid_parameters;
-    BoundaryParameters                       boundary_parameters{dim};
+    BoundaryParameters                       boundary_parameters;
     std::unique_ptr<BackgroundGrid<dim>>     grid;
     std::unique_ptr<BoundaryConditions<dim>> boundary_conditions;
     FieldLayout                              layout = basic_fields(dim);
@@ -75,7 +75,7 @@ namespace
                            MPI_COMM_WORLD);
       std::vector<std::size_t> own;
       for (std::size_t p = 0; p < x.size(); ++p)
-        if (grid->lattice(x[p])[1] % n_ranks == rank)
+        if (grid->key_of(x[p])[1] % n_ranks == rank)
           own.push_back(p);
       PointArrays<dim> points(own.size(), layout.n_components());
       for (std::size_t q = 0; q < own.size(); ++q)

@@ -49,7 +49,7 @@ namespace
         parameters.upper_corner[d] = 3. + d;
       }
     const BackgroundGrid<dim>     grid(parameters, MPI_COMM_WORLD);
-    const BoundaryParameters      boundary(dim);
+    const BoundaryParameters      boundary;
     const BoundaryConditions<dim> free(boundary, grid);
 
     ElasticConstants constants;
@@ -81,7 +81,7 @@ namespace
         values[layout["half_length"] + d] = initial[d];
       }
     // of several ranks the others have no particle, but their part in all that
-    const auto cell = grid.cell_at(grid.lattice(x));
+    const auto cell = grid.cell_at(grid.key_of(x));
     const bool is_owner =
       cell.state() == dealii::IteratorState::valid && cell->is_locally_owned();
     test::check(dealii::Utilities::MPI::sum(is_owner ? 1 : 0, MPI_COMM_WORLD) ==

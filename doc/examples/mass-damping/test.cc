@@ -101,11 +101,11 @@ namespace
     GridStart<2>      &start = map(stencils, points);
     const auto         solver =
       make_linear_solver(parameters.solver, start.active->n_dofs(), 2);
-    map_velocity(scene.mapping, start.active->make_vector(), *solver, start);
+    const StepData<2> step{stencils, points, start, 0., dt};
+    map_velocity(scene.balance, step, *solver, start);
 
-    const auto equation =
-      scene.balance.over(StepData<2>{stencils, points, start, 0., dt});
-    Vector u = start.mean_velocity;
+    const auto equation = scene.balance.over(step);
+    Vector     u        = start.mean_velocity;
     u *= dt;
     const auto r = Newton(parameters.solver, *solver, scene.phases)
                      .solve(*equation, u)

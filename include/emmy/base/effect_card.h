@@ -32,6 +32,8 @@ namespace emmy
     std::vector<std::string> grid_output = {};
     /** Phases of the table of times that are its alone. */
     std::vector<std::string> phases = {};
+    /** Matrices of the size of M~ that it keeps. */
+    unsigned int n_matrices = 0;
     /** Whether the scene has it. */
     bool is_present = false;
   };

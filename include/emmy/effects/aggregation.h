@@ -20,8 +20,6 @@ namespace emmy
   template <int dim>
   struct NodeClasses
   {
-    using Lattice = typename BackgroundGrid<dim>::Lattice;
-
     /** 1 for fed nodes, else 0, of all nodes that this rank knows. */
     NodeValues fed;
     /** Of all ranks: fed in name, as no cell around has more. */
@@ -29,7 +27,7 @@ namespace emmy
     /** The nodes that were active and this rank owns, and whether they are
      * fed; sorted.
      */
-    std::vector<std::pair<Lattice, bool>> active;
+    std::vector<std::pair<CellKey<dim>, bool>> active;
   };
 
   /**
@@ -52,18 +50,16 @@ namespace emmy
   template <int dim>
   struct Follower
   {
-    using Lattice = typename BackgroundGrid<dim>::Lattice;
-
     /** A node of a root. */
     struct Master
     {
       dealii::types::global_dof_index id;
-      Lattice place;       ///< this rank may not know the node
-      double  weight = 0.; ///< in a Follower not zero
+      CellKey<dim> place;       ///< this rank may not know the node
+      double       weight = 0.; ///< in a Follower not zero
     };
 
     dealii::types::global_dof_index node_id;
-    std::vector<Lattice>            roots;   ///< cells, sorted
+    std::vector<CellKey<dim>>       roots;   ///< cells, sorted
     std::vector<Master>             masters; ///< sorted by place
     unsigned int distance = 0; ///< of node and roots, cells, largest component
 

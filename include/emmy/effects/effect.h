@@ -4,7 +4,7 @@
 #include <emmy/base/library.h>
 #include <emmy/base/phases.h>
 #include <emmy/base/section.h>
-#include <emmy/effects/step_report.h>
+#include <emmy/effects/velocity_map.h>
 #include <emmy/material/material.h>
 #include <emmy/system/couplings.h>
 #include <emmy/transfer/particles_to_grid.h>
@@ -51,7 +51,8 @@ namespace emmy
    * An effect, or a part of one: whatever acts in a scene beside the grid and
    * the particles. Its hooks are called in the order of a step, and do nothing
    * by default. What it finds in a step (faces, roots) it keeps itself, until
-   * it is asked to find it anew; of older steps, what it counts changes of.
+   * it is asked to find it anew; what one of its steps hands to
+   * the next it tells in memory().
    *
    * Owned by the balance. All hooks but add_load() and add_load_at_points()
    * are collective.
@@ -76,6 +77,23 @@ namespace emmy
       (void)grid;
       (void)particles;
       return "";
+    }
+
+    /**
+     * What the effect hands from one of its steps to the next, this rank's
+     * share: with it a run can go on. Empty: nothing.
+     */
+    virtual std::vector<double>
+    memory() const
+    {
+      return {};
+    }
+
+    /** Go on from what memory() gave, on all ranks of that time. */
+    virtual void
+    recall(const std::vector<std::vector<double>> &parts)
+    {
+      (void)parts;
     }
 
     /** Whether the effect couples nodes, or adds mass to them. */
@@ -137,6 +155,84 @@ namespace emmy
       (void)active;
       (void)velocity;
       return 0.;
+    }
+
+    /**
+     * The effect's own map from momentum to velocity; null: it has none. At
+     * most one effect of a scene has one.
+     */
+    virtual VelocityMap<dim> *
+    velocity_map()
+    {
+      return nullptr;
+    }
+
+    /**
+     * Whether the effect gives a motion to components that essential conditions
+     * fix; without one they rest.
+     */
+    virtual bool
+    gives_motion() const
+    {
+      return false;
+    }
+
+    /**
+     * Add to @p velocity, m/s, that of fixed unknowns at a time, s. Collective.
+     */
+    virtual void
+    add_given_velocity(const ActiveGrid<dim> &active,
+                       const double           time,
+                       Vector                &velocity) const
+    {
+      (void)active;
+      (void)time;
+      (void)velocity;
+    }
+
+    /** The same of the displacement over a step from @p time on, m. */
+    virtual void
+    add_given_displacement(const ActiveGrid<dim> &active,
+                           const double           time,
+                           const double           time_step,
+                           Vector                &displacement) const
+    {
+      (void)active;
+      (void)time;
+      (void)time_step;
+      (void)displacement;
+    }
+
+    /**
+     * The column of the ledger that has the work of what holds fixed unknowns;
+     * empty if the effect brings none.
+     */
+    virtual std::string
+    reaction_work() const
+    {
+      return "";
+    }
+
+    /**
+     * Before a step is tried: throw ExcRun on all ranks if it must not be done.
+     * @param where "Step 3 from t = 0.2 s"
+     */
+    virtual void
+    check_step(const double       time,
+               const double       time_step,
+               const std::string &where) const
+    {
+      (void)time;
+      (void)time_step;
+      (void)where;
+    }
+
+    /** Once a step from @p time on is accepted. */
+    virtual void
+    end_step(const double time, const double time_step)
+    {
+      (void)time;
+      (void)time_step;
     }
 
     /** Whether there is a force that is fixed within a step. */

@@ -36,7 +36,7 @@ namespace emmy
   template <int dim>
   dealii::FullMatrix<double>
   ghost_matrix(const unsigned int            direction,
-               const dealii::Tensor<1, dim> &cell_size);
+               const dealii::Tensor<1, dim> &sides);
 
   /** The name of the effect, in parameter files and the table of times. */
   constexpr const char *ghost_effect = "ghost stabilisation";

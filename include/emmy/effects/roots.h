@@ -30,7 +30,7 @@ namespace emmy
   template <int dim>
   struct Root
   {
-    typename BackgroundGrid<dim>::Lattice cell;
+    CellKey<dim> cell;
     std::array<dealii::types::global_dof_index,
                BackgroundGrid<dim>::nodes_per_cell>
       ids; ///< of its nodes, in deal.II's vertex order
@@ -49,8 +49,7 @@ namespace emmy
 
   /** By place of an active cell: the roots that it has found, sorted. */
   template <int dim>
-  using Roots =
-    std::map<typename BackgroundGrid<dim>::Lattice, std::vector<Root<dim>>>;
+  using Roots = std::map<CellKey<dim>, std::vector<Root<dim>>>;
 
   /**
    * The roots of the active cells of this rank and beside it. A root has found
@@ -75,9 +74,9 @@ namespace emmy
    */
   template <int dim>
   std::vector<Root<dim>>
-  nearest_roots(const Roots<dim>                            &roots,
-                const typename BackgroundGrid<dim>::Lattice &node,
-                const BackgroundGrid<dim>                   &grid);
+  nearest_roots(const Roots<dim>          &roots,
+                const CellKey<dim>        &node,
+                const BackgroundGrid<dim> &grid);
 
   /**
    * Tell each rank that knows a node the roots that the node's owner has

@@ -2,8 +2,8 @@
 #define emmy_grid_background_grid_h
 
 #include <deal.II/base/partitioner.h>
-#include <emmy/base/section.h>
 
+#include <emmy/grid/grid_parameters.h>
 #include <emmy/grid/window.h>
 
 #include <deal.II/distributed/tria.h>
@@ -16,28 +16,13 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace emmy
 {
-  /** Section `Grid`. */
-  template <int dim>
-  class GridParameters : public Section
-  {
-  public:
-    dealii::Point<dim>        lower_corner; // m
-    dealii::Point<dim>        upper_corner; // m; must be above lower_corner
-    std::vector<unsigned int> cells = std::vector<unsigned int>(dim, 0);
-
-    explicit GridParameters(const std::string &section = "Grid");
-
-    /** Throws ExcParameter for an empty grid or cells that do not fit. */
-    void
-    validate() const;
-  };
-
   /**
    * The background grid: a box of equal cells that never deforms, distributed
    * over the ranks, with one scalar bi- or trilinear function per node. Where
@@ -56,11 +41,8 @@ namespace emmy
 
     static constexpr unsigned int nodes_per_cell = 1 << dim;
 
-    /** Which cell of the grid, counted per direction from the lower corner. */
-    using Lattice = LatticePlace<dim>;
-
     /** A cell that holds points, and how many. */
-    using Occupied = std::pair<Lattice, unsigned int>;
+    using Occupied = std::pair<CellKey<dim>, unsigned int>;
 
     /** What has cells after construction: all of the grid, or nothing yet. */
     enum class Cells
@@ -107,38 +89,92 @@ namespace emmy
     const std::vector<unsigned int> &
     n_cells() const;
 
-    /** Cell sizes h_i, m. */
+    /**
+     * Cell sizes h_i, m: for what relies on equal cells. All others ask for
+     * size_of() a cell, or size_at() a position.
+     */
     const dealii::Tensor<1, dim> &
-    cell_size() const;
+    cell_size() const
+    {
+      return h;
+    }
 
+    /** The sides of a cell, m. */
+    const dealii::Tensor<1, dim> &
+    size_of(const CellKey<dim> &) const
+    {
+      return h;
+    }
+
+    /** The sides of the cells at a position, m. */
+    const dealii::Tensor<1, dim> &
+    size_at(const dealii::Point<dim> &) const
+    {
+      return h;
+    }
+
+    /** The shortest of all cells, m. */
     double
-    smallest_cell_size() const;
+    shortest_side() const;
 
     /** Number of coarse cells (p4est trees) of the window. */
     unsigned int
     n_trees() const;
 
     /** The cell of a position; of the nearest one if it is outside. */
-    Lattice
-    lattice(const dealii::Point<dim> &position) const;
+    CellKey<dim>
+    key_of(const dealii::Point<dim> &position) const;
 
-    /** The place of a cell; of one that sticks out too. */
-    Lattice
-    lattice(const Cell &cell) const;
+    /** The key of a cell; of one that sticks out too. */
+    CellKey<dim>
+    key_of(const Cell &cell) const;
+
+    /** The cell whose lower corner is a node, from the node's position. */
+    CellKey<dim>
+    key_above(const dealii::Point<dim> &node_position) const;
+
+    /**
+     * The cell beyond a face, active or not; none beyond a side of the grid.
+     * @param face 2d: below in direction d, 2d + 1: above
+     */
+    std::optional<CellKey<dim>>
+    neighbour(const CellKey<dim> &key, const unsigned int face) const;
+
+    /** A cell and those that share a node with it, inside the grid. */
+    std::vector<CellKey<dim>>
+    cells_around(const CellKey<dim> &key) const;
+
+    /** The cells that have a node, inside the grid. */
+    std::vector<CellKey<dim>>
+    cells_at_node(const CellKey<dim> &node) const;
+
+    /** From a node to the centre of a cell, m; exact for equal distances. */
+    dealii::Tensor<1, dim>
+    from_node_to_center(const CellKey<dim> &node,
+                        const CellKey<dim> &cell) const;
+
+    /** int N_A of a node inside the grid, m^dim. */
+    double
+    volume_of_node(const dealii::Point<dim> &node_position) const;
+
+    /** A position in the unit cell of a cell, not clipped. */
+    dealii::Point<dim>
+    reference_position(const CellKey<dim>       &key,
+                       const dealii::Point<dim> &position) const;
 
     /**
      * Position of the lower corner of a cell, m; the same as that of the
      * other cells' corners there, to the last bit.
      */
     dealii::Point<dim>
-    corner(const Lattice &lattice) const;
+    corner(const CellKey<dim> &key) const;
 
     /**
      * A cell that this rank owns or knows as a neighbour of its own; past the
      * end of the triangulation if it is neither. Cost: a binary search.
      */
     Cell
-    cell_at(const Lattice &lattice) const;
+    cell_at(const CellKey<dim> &key) const;
 
     /** The cells that this rank owns, sorted by their places. */
     std::vector<Cell>
@@ -146,15 +182,15 @@ namespace emmy
 
     /** Ranks that may own a cell of the window; its owner is one of them. */
     std::vector<unsigned int>
-    possible_owners(const Lattice &lattice) const;
+    possible_owners(const CellKey<dim> &key) const;
 
     /** Ids of the nodes of a cell, in deal.II's vertex order. */
     std::array<dealii::types::global_dof_index, nodes_per_cell>
     node_ids(const Cell &cell) const;
 
-    /** The place of a node that this rank knows: of the cell above it. */
-    const Lattice &
-    node_lattice(const dealii::types::global_dof_index id) const;
+    /** The key of a node that this rank knows: of the cell above it. */
+    const CellKey<dim> &
+    node_key(const dealii::types::global_dof_index id) const;
 
     /** Position of a node that this rank knows, m. */
     dealii::Point<dim>
@@ -166,7 +202,7 @@ namespace emmy
 
     /** Whether a position is in a closed cell, exactly. */
     bool
-    is_in_cell(const Lattice            &lattice,
+    is_in_cell(const CellKey<dim>       &key,
                const dealii::Point<dim> &position) const;
 
     /** Whether a position is in the closed box, to round-off (1e-13). */
@@ -188,7 +224,7 @@ namespace emmy
     number_nodes();
     /** Sorts as places do. */
     std::uint64_t
-    number_of(const Lattice &lattice) const;
+    number_of(const CellKey<dim> &key) const;
 
     const dealii::Point<dim>                                   lower, upper;
     const std::vector<unsigned int>                            counts;
@@ -199,11 +235,11 @@ namespace emmy
     dealii::FE_Q<dim>                                          element;
     dealii::DoFHandler<dim>                                    numbering;
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> node_partition;
-    std::vector<Lattice> node_lattices; // by local index
+    std::vector<CellKey<dim>> node_keys; // by local index
     /** Owned and neighbouring cells by number_of(), sorted. */
     std::vector<std::pair<std::uint64_t, Cell>> cells_by_number;
     /** First and last place of the cells of each rank. */
-    std::vector<std::pair<Lattice, Lattice>> boxes_of_ranks;
+    std::vector<std::pair<CellKey<dim>, CellKey<dim>>> boxes_of_ranks;
   };
 } // namespace emmy
 

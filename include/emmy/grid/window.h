@@ -3,15 +3,12 @@
 
 #include <deal.II/base/mpi.h>
 
-#include <array>
+#include <emmy/grid/cell_key.h>
+
 #include <vector>
 
 namespace emmy
 {
-  /** Which cell or node of the grid, counted from the lower corner. */
-  template <int dim>
-  using LatticePlace = std::array<unsigned int, dim>;
-
   /**
    * The part of the grid that has cells: blocks of 2^level cells per
    * direction, each a coarse cell (p4est tree) that is refined level times.
@@ -27,7 +24,7 @@ namespace emmy
   class Window
   {
   public:
-    using Place = LatticePlace<dim>;
+    using Place = CellKey<dim>;
 
     /** Blocks of a window around bodies have at least 2^this cells. */
     static constexpr unsigned int least_level = 2;

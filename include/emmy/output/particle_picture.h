@@ -38,7 +38,7 @@ namespace emmy
      * cells. The third component is not used in 2D.
      */
     dealii::Point<3>     lower, upper;
-    dealii::Tensor<1, 3> cell_size;
+    dealii::Tensor<1, 3> line_distance;
 
     double             spacing  = 1.; ///< of neighbouring particles, m
     double             smallest = 0.; ///< of all values and 0

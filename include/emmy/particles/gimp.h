@@ -2,6 +2,7 @@
 #define emmy_particles_gimp_h
 
 #include <emmy/particles/field_layout.h>
+#include <emmy/particles/gimp_weights.h>
 #include <emmy/particles/stencils.h>
 #include <emmy/particles/tails.h>
 
@@ -10,39 +11,6 @@
 
 namespace emmy
 {
-  /** A shape function in one direction and its derivative with respect to x. */
-  struct Weight
-  {
-    double value, slope; ///< 1, 1/m
-  };
-
-  /**
-   * The hat functions of a row of nodes, averaged over a particle's domain
-   * (Bardenhagen and Kober 2004), for a half-length of any size. In each cell
-   * the hats are linear, so the average over the part of the domain in that
-   * cell is the value at the part's centre; the parts are weighted with their
-   * share of the domain. This form has no cases, and keeps sum S = 1, sum S' =
-   * 0, sum S x = x to round-off, however small the domain.
-   *
-   * @param x       position of the particle, from the lower end of the first
-   *                overlapped cell, m
-   * @param l       half-length of the domain, m; 0: the hats at x, which lies
-   *                in the first cell
-   * @param h       cell size, m
-   * @param n_cells how many cells the domain overlaps
-   * @param weights gets those of the n_cells + 1 nodes
-   * @param beyond_lower,beyond_upper whether the domain goes a hair beyond
-   *   these cells; the hats of the outermost ones are continued there
-   */
-  void
-  gimp_weights(const double       x,
-               const double       l,
-               const double       h,
-               const unsigned int n_cells,
-               Weight            *weights,
-               const bool         beyond_lower = false,
-               const bool         beyond_upper = false);
-
   /**
    * Generalised interpolation (GIMP): a particle is a box of half-lengths l,
    * and reaches the nodes of all cells that its box overlaps. At the edge of
@@ -88,16 +56,15 @@ namespace emmy
                   PlaceDerivatives<dim>               &result) const override;
 
   private:
-    using Cell    = typename BackgroundGrid<dim>::Cell;
-    using Lattice = typename BackgroundGrid<dim>::Lattice;
-    using Group   = typename Stencils<dim>::Group;
+    using Cell  = typename BackgroundGrid<dim>::Cell;
+    using Group = typename Stencils<dim>::Group;
 
     /** A particle, and the part of the grid that its domain overlaps. */
     struct Entry
     {
       std::size_t  index; ///< among the places
       unsigned int body;
-      Lattice      first, last; ///< cells
+      CellKey<dim> first, last; ///< cells
       /** Half-lengths as used, m: shrunk by round-off and clipped. */
       dealii::Tensor<1, dim> half_length;
       /** Whether the box goes a hair beyond these cells. */
@@ -157,45 +124,6 @@ namespace emmy
 
     const unsigned int body_component, half_length_component;
   };
-
-  /** Cells of a row that a box overlaps, counted from the grid's lower side. */
-  struct Overlap
-  {
-    unsigned int first, last;
-    bool         beyond_lower, beyond_upper; ///< a hair further
-    double       tails; ///< least share of an outermost node, about; or 1
-  };
-
-  /**
-   * @param below   from the grid's lower side to the particle, m
-   * @param l       half-length as used, m
-   * @param h       cell size, m
-   * @param n_cells of the row
-   */
-  Overlap
-  overlap_along(const double       below,
-                const double       l,
-                const double       h,
-                const unsigned int n_cells);
-
-  /** The half-length of a box in one direction as it is used. */
-  struct UsedLength
-  {
-    double value;      ///< m
-    double by_x, by_l; ///< how it changes with position and half-length
-  };
-
-  /**
-   * @param l     half-length, m
-   * @param h     cell size, m
-   * @param below from the grid's lower side to the particle, m
-   * @param above from there to the upper side, m
-   */
-  UsedLength
-  used_half_length(const double l,
-                   const double h,
-                   const double below,
-                   const double above);
 
   /**
    * Let all ranks stop together where a particle reaches a cell that its rank

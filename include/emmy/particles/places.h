@@ -20,7 +20,7 @@ namespace emmy
   {
     std::vector<dealii::Particles::ParticleIterator<dim>> particles;
     std::vector<unsigned int>                             bodies;
-    std::vector<typename BackgroundGrid<dim>::Lattice>    cells;
+    std::vector<CellKey<dim>>                             cells;
     std::vector<dealii::Point<dim>>                       positions; ///< m
     /** Of the boxes of GIMP, m; empty where particles are points. */
     std::vector<dealii::Tensor<1, dim>> half_lengths;

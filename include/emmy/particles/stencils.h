@@ -6,6 +6,7 @@
 #include <deal.II/particles/particle_handler.h>
 
 #include <emmy/base/library.h>
+#include <emmy/base/unknown.h>
 #include <emmy/grid/background_grid.h>
 #include <emmy/particles/field_layout.h>
 #include <emmy/particles/place_derivatives.h>
@@ -97,7 +98,7 @@ namespace emmy
       for (unsigned int a = 0; a < group.n_nodes; ++a)
         for (unsigned int i = 0; i < dim; ++i)
           for (unsigned int j = 0; j < dim; ++j)
-            L[i][j] += u[dim * nodes[a] + i] * gradient(group, a, j)[q];
+            L[i][j] += u[unknown<dim>(nodes[a], i)] * gradient(group, a, j)[q];
       return L;
     }
 

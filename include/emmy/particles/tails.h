@@ -39,11 +39,11 @@ namespace emmy
     /**
      * @param factors   of a particle; values and slopes are used
      * @param n_along   nodes per direction
-     * @param cell_size m
+     * @param sides of the cells, m
      */
     Tails(const Factors<dim>                  &factors,
           const std::array<unsigned int, dim> &n_along,
-          const std::array<double, dim>       &cell_size);
+          const std::array<double, dim>       &sides);
 
     /** The nodes of the box, x fastest, that are left without weight: bits. */
     std::uint64_t

@@ -1,8 +1,8 @@
 #ifndef emmy_step_balance_h
 #define emmy_step_balance_h
 
+#include <emmy/base/phases.h>
 #include <emmy/effects/effect.h>
-#include <emmy/solve/nonlinear_equation.h>
 
 namespace emmy
 {
@@ -32,6 +32,43 @@ namespace emmy
     std::vector<std::string>
     mark(const BackgroundGrid<dim>               &grid,
          dealii::Particles::ParticleHandler<dim> &particles) const;
+
+    /** The map from momentum to velocity, an effect's or that of the method. */
+    VelocityMap<dim> &
+    velocity_map() const;
+    /** Whether an effect has brought it. */
+    bool
+    has_own_map() const;
+
+    /** Whether fixed unknowns move. */
+    bool
+    gives_motion() const;
+    /**
+     * The velocity of fixed unknowns at a time, m/s; zero elsewhere.
+     * Collective.
+     */
+    Vector
+    given_velocity(const ActiveGrid<dim> &active,
+                   const double           time,
+                   Phases                *phases) const;
+    /** Add their displacement over a step, m. Collective. */
+    void
+    add_given_displacement(const ActiveGrid<dim> &active,
+                           const double           time,
+                           const double           time_step,
+                           Vector                &displacement,
+                           Phases                *phases) const;
+    /** The column of the work of what holds fixed unknowns; empty: none. */
+    std::string
+    reaction_work() const;
+
+    /** See Effect::check_step() and end_step(). */
+    void
+    check_step(const double       time,
+               const double       time_step,
+               const std::string &where) const;
+    void
+    end_step(const double time, const double time_step) const;
 
     /** What effects measure. Collective. */
     std::vector<StepMeasure>
@@ -103,79 +140,27 @@ namespace emmy
     void
     for_each(Phases *phases, bool (Effect<dim>::*has)() const, Hook hook) const;
 
-    const Effects<dim> effects;
+    const Effects<dim>                effects;
+    std::unique_ptr<VelocityMap<dim>> map_of_method;
+    VelocityMap<dim>                 *map; ///< in use
   };
 
-  /** r(u) of one step. Keeps the trial states that belong to the last u. */
   template <int dim>
-  class StepEquation : public NonlinearEquation
+  template <class Hook>
+  void
+  Balance<dim>::for_each(Phases *phases,
+                         bool (Effect<dim>::*has)() const,
+                         Hook hook) const
   {
-  public:
-    StepEquation(const Balance<dim> &balance, const StepData<dim> &step);
-
-    bool
-    evaluate(const Vector &solution, const bool with_jacobian) override;
-    const Vector &
-    residual() const override;
-    /** With the share of places that follow. */
-    const Vector &
-    reduced_residual() const override;
-    Matrix &
-    jacobian() override;
-    void
-    expand(Vector &increment) const override;
-    double
-    scale() const override;
-    double
-    work_scale() const override;
-    /**
-     * The largest norm of a displacement gradient at a particle; where it is
-     * surely below 0.1, an upper bound.
-     */
-    double
-    size(const Vector &increment) const override;
-    const std::string &
-    problem() const override;
-
-    /**
-     * In the middle of the step the residual is found from the momentum, and
-     * the velocity v_t is found once Newton has ended: make the residual, with
-     * what it leaves on fixed unknowns, that of v_t.
-     */
-    void
-    set_velocity_at_start();
-
-    /** What this equation was made over. */
-    const StepData<dim> &
-    data() const;
-
-    /** The residual before constraints: the reactions on fixed unknowns. */
-    const Vector &
-    unconstrained_residual() const;
-
-    /** The loads of the step, N. */
-    const Vector &
-    load() const;
-
-    /** Particle states that belong to the last evaluation. */
-    PointArrays<dim> &
-    trial();
-    const PointArrays<dim> &
-    trial() const;
-
-    /** The entries of the accepted step, summed over the ranks. Collective. */
-    std::vector<EnergyEntry>
-    energies(const Vector &solution) const;
-
-  private:
-    const Balance<dim> &balance;
-    const StepData<dim> step;
-    Vector           external_force, full_residual, free_residual, with_places;
-    Matrix           tangent;
-    PointArrays<dim> trial_states;
-    double           force_scale = 0., total_work = 0.;
-    std::string      found;
-  };
+    for (std::size_t i = 0; i < effects.terms.size(); ++i)
+      {
+        Effect<dim> &effect = *effects.terms[i];
+        if (!(effect.*has)())
+          continue;
+        const auto timed = effect_scope(phases, effects.term_names[i]);
+        hook(effect);
+      }
+  }
 } // namespace emmy
 
 #endif

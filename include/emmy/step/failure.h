@@ -18,6 +18,11 @@ namespace emmy
     std::string           problem;      ///< in words
   };
 
+  /** Which remedies a scene with implicit steps has, or has no use for. */
+  template <int dim>
+  RemediesInUse
+  remedies_in_use(const StepSetting<dim> &setting);
+
   /** What helps most often where Newton struggles, if it is not used yet. */
   template <int dim>
   std::string

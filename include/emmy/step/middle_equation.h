@@ -2,7 +2,7 @@
 #define emmy_step_middle_equation_h
 
 #include <emmy/effects/moving_places.h>
-#include <emmy/step/balance.h>
+#include <emmy/step/step_equation.h>
 
 namespace emmy
 {

@@ -4,7 +4,6 @@
 #include <deal.II/particles/particle_handler.h>
 
 #include <emmy/effects/step_report.h>
-#include <emmy/grid/boundary_conditions.h>
 
 namespace emmy
 {
@@ -34,9 +33,9 @@ namespace emmy
   };
 
   /**
-   * What one step hands to the next: from this and the parameters a run can go
-   * on. Steppers, ledger and frames keep what can be made again; an effect also
-   * that of the step before of which it counts changes. Owned by the scene.
+   * What one step hands to the next: from this, what effects remember
+   * (Effect::memory()) and the parameters a run can go on. Steppers, ledger and
+   * frames keep what can be made again. Owned by the scene.
    */
   template <int dim>
   struct RunState
@@ -45,12 +44,10 @@ namespace emmy
     unsigned int                            step = 0; ///< the last accepted one
     double                                  time = 0.; ///< s
     double kinetic_energy = 0.; ///< of the particles, in the ledger's last row
-    /** How far walls have moved, m. */
-    typename BoundaryConditions<dim>::Sides wall_travel{};
-    DetectorState                           detector;
-    LedgerSums                              ledger;
-    FramesState                             frames;
-    Told                                    told;
+    DetectorState detector;
+    LedgerSums    ledger;
+    FramesState   frames;
+    Told          told;
   };
 } // namespace emmy
 

@@ -77,7 +77,6 @@ namespace emmy
       unsigned int             halvings    = 0;
       bool                     leaves_grid = false;
       Vector                   displacement, velocity;
-      typename Base::Sides     wall_travel{};
       std::vector<std::string> notes, findings;
 
       const Ground<dim> &
@@ -101,6 +100,11 @@ namespace emmy
     /** The size of a step whose grid is undeformed in its middle. */
     StepSize
     size_in_middle();
+    /** What is fixed while a step from a ground is solved. */
+    StepData<dim>
+    data_of(const Ground<dim>    &ground,
+            const GridStart<dim> &start,
+            const double          time_step) const;
     /** One try with the geometry of the start, or of the middle. */
     void
     try_from_start(Solution &solution);

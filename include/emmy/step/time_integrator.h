@@ -68,8 +68,6 @@ namespace emmy
     diagnosis() const = 0;
 
   protected:
-    using Sides = typename BoundaryConditions<dim>::Sides;
-
     /** Call @p stage and book its time under @p phase. */
     template <class Stage>
     decltype(auto)
@@ -88,9 +86,6 @@ namespace emmy
     /** The note of a size, the first time that there is one. */
     void
     note_limit(const StepSize &size, std::vector<std::string> &notes);
-    /** How far walls will have moved at the end of a step, checked. */
-    Sides
-    wall_travel_after(const double time_step) const;
     /**
      * Write the domains at t + dt to @p trial, where there are any. Throws
      * ExcRun on all ranks if one vanishes. Collective.
@@ -121,7 +116,6 @@ namespace emmy
     void
     accept(const Ground<dim>      &ground,
            const PointArrays<dim> &trial,
-           const Sides            &wall_travel,
            const StepReport       &report);
 
     /** The active grid of the particles as they are. Collective. */

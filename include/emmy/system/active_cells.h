@@ -12,8 +12,7 @@ namespace emmy
 {
   /** A cell as the particles of one body see it. */
   template <int dim>
-  using CellOfBody =
-    std::pair<unsigned int, typename BackgroundGrid<dim>::Lattice>;
+  using CellOfBody = std::pair<unsigned int, CellKey<dim>>;
 
   /**
    * The active cells that this rank owns, whoever's particles make them so;
@@ -27,8 +26,8 @@ namespace emmy
   /**
    * Tell the ranks beside this one of its cells, active or not. Collective.
    *
-   * @param get Data(Lattice), of a cell that this rank owns
-   * @param set called as set(Lattice, Data) for the cells beside them
+   * @param get Data(key), of a cell that this rank owns
+   * @param set called as set(key, Data) for the cells beside them
    */
   template <class Data, int dim, class Get, class Set>
   void
@@ -41,9 +40,9 @@ namespace emmy
     using Cell = typename BackgroundGrid<dim>::Cell;
     dealii::GridTools::exchange_cell_data_to_ghosts<Data>(
       grid.triangulation(),
-      [&](const Cell &cell) { return get(grid.lattice(cell)); },
+      [&](const Cell &cell) { return get(grid.key_of(cell)); },
       [&](const Cell &cell, const Data &data) {
-        set(grid.lattice(cell), data);
+        set(grid.key_of(cell), data);
       });
   }
 } // namespace emmy

@@ -104,14 +104,6 @@ namespace emmy
     Vector
     make_vector() const;
 
-    /**
-     * A vector of unknowns with what the walls give on the fixed ones, and
-     * zero elsewhere.
-     */
-    Vector
-    on_walls(const BoundaryConditions<dim>                 &boundary_conditions,
-             const typename BoundaryConditions<dim>::Sides &sides) const;
-
     /** The values of a vector at the local nodes: [dim * node + c]. Collective.
      */
     std::vector<double>
@@ -154,7 +146,7 @@ namespace emmy
 
     /** Of the background grid, m. */
     double
-    smallest_cell_size() const;
+    shortest_side() const;
 
     const dealii::IndexSet &
     dofs() const

@@ -102,6 +102,11 @@ namespace emmy
     void
     find_places();
 
+    /** Add a matrix of the unknowns in list. */
+    void
+    add_listed(const dealii::FullMatrix<double> &block,
+               const Conditions                  conditions,
+               Matrix                           &matrix) const;
     /** Fill place_of_unknown for the neighbours of an owned node. */
     void
     find_places_of(const unsigned int node) const;

@@ -10,30 +10,16 @@ namespace emmy
   /**
    * Move the trial states: x_p += sum S u, and, with the FLIP fraction alpha,
    * v_p = alpha (v_p + sum S (v_new - v_mapped)) + (1 - alpha) sum S v_new
-   * (FLIP and PIC; Pretti et al. 2023, eqs 28-30). Nothing is written to
-   * particles.
+   * (FLIP and PIC; Pretti et al. 2023, eqs 28-30), with v_mapped of
+   * VelocityMap::mapped(). Nothing is written to particles.
    *
    * @param points states at t
+   * @param displacement,velocity_change u, m, and v_new - alpha v_mapped, m/s,
+   *   over local nodes, [dim * node + c]
    * @param trial  gets positions and velocities at t + dt
    *
    * @return the particle of this rank that would leave the grid, in words;
    *   empty if there is none
-   */
-  template <int dim>
-  std::string
-  move_points(const Stencils<dim>       &stencils,
-              const PointArrays<dim>    &points,
-              const GridStart<dim>      &start,
-              const BackgroundGrid<dim> &grid,
-              const FieldLayout         &layout,
-              const double               flip_fraction,
-              const Vector              &displacement,
-              const Vector              &velocity_new,
-              PointArrays<dim>          &trial);
-
-  /**
-   * The same from arrays over local nodes, [dim * node + c].
-   * @param velocity_change v_new - alpha v_mapped, m/s
    */
   template <int dim>
   std::string

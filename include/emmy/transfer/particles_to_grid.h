@@ -40,25 +40,10 @@ namespace emmy
     double lumping = 0.;
     /** 1: FLIP (eq. 29), 0: PIC (eq. 28), between: a blend of both. */
     double flip_fraction = 1.;
-    /** What the map does at fixed nodes. */
-    enum class Walls
-    {
-      /** They have the velocity of the wall in the map too. */
-      constrained,
-      /** The map knows no walls: fixed nodes bounce, v_new = -v_t. */
-      unconstrained,
-      /**
-       * The step starts from the constrained map, but particles take the
-       * change from the unconstrained one: they lose what the wall stops.
-       */
-      inelastic
-    } walls = Walls::constrained;
   };
 
   /** Names of what costs when it is chosen, as cards and prices have them. */
-  constexpr const char *lumping_effect = "lumping", *pic_effect = "PIC",
-                       *inelastic_walls_effect     = "inelastic walls",
-                       *unconstrained_walls_effect = "unconstrained walls";
+  constexpr const char *lumping_effect = "lumping", *pic_effect = "PIC";
 
   /** Damping of the mass matrix in linear solvers, relative. */
   constexpr double mass_damping = 1e-13;
@@ -85,10 +70,6 @@ namespace emmy
      * Lumped, because then a rigid translation remains one.
      */
     Matrix damped_mass;
-    /** The same without the essential conditions; empty with
-     * Walls::constrained.
-     */
-    Matrix damped_mass_without_walls;
     /** Momentum p_A = sum m_p S_Ap v_p, kg m/s. */
     Vector momentum;
     /**
@@ -100,11 +81,6 @@ namespace emmy
     Vector mean_velocity;
     /** Velocity v_t of the step, which solves M~ v = p, m/s. */
     Vector velocity;
-    /**
-     * The velocity from which the particles' change counts, m/s: v_t, but
-     * with Walls::inelastic that of the map without walls.
-     */
-    Vector mapped_velocity;
     /** See Couplings::hand_out_mass. */
     std::function<void(const ActiveGrid<dim> &, const MassReceiver &)>
       hand_out_mass = nullptr;
@@ -117,6 +93,11 @@ namespace emmy
         hand_out_mass(*active, receive);
     }
   };
+
+  /** Row sums of M~ at the local nodes, kg. Collective. */
+  template <int dim>
+  std::vector<double>
+  lumped_mass(const GridStart<dim> &start);
 
   /**
    * Particles to grid: mass and momentum (Pretti et al. 2023, eqs 15, 26).
@@ -168,7 +149,6 @@ namespace emmy
 
     const BackgroundGrid<dim>     &grid;
     const BoundaryConditions<dim> &boundary_conditions;
-    const PointMapping            &mapping;
     Phases *const                  phases; ///< for effects; may be null
     const unsigned int             mass_component, velocity_component;
     GridStart<dim>                 start;

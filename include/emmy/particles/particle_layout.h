@@ -1,5 +1,5 @@
-#ifndef emmy_particles_particle_lattice_h
-#define emmy_particles_particle_lattice_h
+#ifndef emmy_particles_particle_layout_h
+#define emmy_particles_particle_layout_h
 
 #include <emmy/grid/background_grid.h>
 #include <emmy/particles/body.h>
@@ -21,10 +21,10 @@ namespace emmy
    * the cells' boxes, to the last bit. Cheap: made whenever it is needed.
    */
   template <int dim>
-  class ParticleLattice
+  class ParticleLayout
   {
   public:
-    ParticleLattice(const Body<dim> &body, const BackgroundGrid<dim> &grid);
+    ParticleLayout(const Body<dim> &body, const BackgroundGrid<dim> &grid);
 
     /** Whether the boxes divide the body and not the cells. */
     bool
@@ -49,16 +49,16 @@ namespace emmy
 
     /** The centres that lie in a cell and in the shape. */
     std::vector<dealii::Point<dim>>
-    points_in(const typename BackgroundGrid<dim>::Lattice &cell) const;
+    points_in(const CellKey<dim> &cell) const;
 
   private:
     /** The range of box numbers that may have their centres in a cell. */
     std::array<std::array<long, 2>, dim>
-    candidates(const typename BackgroundGrid<dim>::Lattice &cell) const;
+    candidates(const CellKey<dim> &cell) const;
     std::vector<dealii::Point<dim>>
-    points_of_cell(const typename BackgroundGrid<dim>::Lattice &cell) const;
+    points_of_cell(const CellKey<dim> &cell) const;
     std::vector<dealii::Point<dim>>
-    points_of_body(const typename BackgroundGrid<dim>::Lattice &cell) const;
+    points_of_body(const CellKey<dim> &cell) const;
 
     const Body<dim>           &body;
     const BackgroundGrid<dim> &grid;

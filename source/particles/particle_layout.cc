@@ -1,4 +1,4 @@
-#include <emmy/particles/particle_lattice.h>
+#include <emmy/particles/particle_layout.h>
 
 #include <algorithm>
 #include <cmath>
@@ -60,8 +60,8 @@ namespace emmy
   }
 
   template <int dim>
-  ParticleLattice<dim>::ParticleLattice(const Body<dim>           &body,
-                                        const BackgroundGrid<dim> &grid)
+  ParticleLayout<dim>::ParticleLayout(const Body<dim>           &body,
+                                      const BackgroundGrid<dim> &grid)
     : body(body)
     , grid(grid)
     , is_of_body(body.divides_box && body.shape->is_box())
@@ -89,12 +89,11 @@ namespace emmy
 
   template <int dim>
   std::vector<Point<dim>>
-  ParticleLattice<dim>::points_in(
-    const typename BackgroundGrid<dim>::Lattice &cell) const
+  ParticleLayout<dim>::points_in(const CellKey<dim> &cell) const
   {
     const Point<dim>              from = grid.corner(cell);
     const auto                    box  = body.shape->bounding_box();
-    const dealii::Tensor<1, dim> &h    = grid.cell_size();
+    const dealii::Tensor<1, dim> &h    = grid.size_of(cell);
     for (unsigned int d = 0; d < dim; ++d)
       if (from[d] > box.upper_bound(d) || from[d] + h[d] < box.lower_bound(d))
         return {};
@@ -103,11 +102,10 @@ namespace emmy
 
   template <int dim>
   std::vector<Point<dim>>
-  ParticleLattice<dim>::points_of_cell(
-    const typename BackgroundGrid<dim>::Lattice &cell) const
+  ParticleLayout<dim>::points_of_cell(const CellKey<dim> &cell) const
   {
     const Point<dim>              from = grid.corner(cell);
-    const dealii::Tensor<1, dim> &h    = grid.cell_size();
+    const dealii::Tensor<1, dim> &h    = grid.size_of(cell);
     const unsigned int            n    = body.points_per_direction;
     std::vector<Point<dim>>       points;
     for (unsigned int k = 0; k < (dim == 3 ? n : 1); ++k)
@@ -126,8 +124,7 @@ namespace emmy
 
   template <int dim>
   std::array<std::array<long, 2>, dim>
-  ParticleLattice<dim>::candidates(
-    const typename BackgroundGrid<dim>::Lattice &cell) const
+  ParticleLayout<dim>::candidates(const CellKey<dim> &cell) const
   {
     const Point<dim>                     from = grid.corner(cell);
     std::array<std::array<long, 2>, dim> result;
@@ -135,7 +132,7 @@ namespace emmy
       {
         // with one to spare, as the places are rounded
         const double first = (from[d] - lower[d]) / size[d],
-                     last  = first + grid.cell_size()[d] / size[d];
+                     last  = first + grid.size_of(cell)[d] / size[d];
         result[d][0]       = std::max(0l, std::lround(std::floor(first)) - 1);
         result[d][1] =
           std::min(counts[d] - 1, std::lround(std::ceil(last)) + 1);
@@ -145,8 +142,7 @@ namespace emmy
 
   template <int dim>
   std::vector<Point<dim>>
-  ParticleLattice<dim>::points_of_body(
-    const typename BackgroundGrid<dim>::Lattice &cell) const
+  ParticleLayout<dim>::points_of_body(const CellKey<dim> &cell) const
   {
     std::vector<Point<dim>> points;
     const auto              range = candidates(cell);
@@ -161,7 +157,7 @@ namespace emmy
         Point<dim> center;
         for (unsigned int c = 0; c < dim; ++c)
           center[c] = lower[c] + (index[c] + 0.5) * size[c];
-        if (grid.lattice(center) == cell) // each centre is in one cell alone
+        if (grid.key_of(center) == cell) // each centre is in one cell alone
           points.push_back(center);
         for (d = 0; d < dim && ++index[d] > range[d][1]; ++d)
           index[d] = range[d][0];
@@ -170,7 +166,7 @@ namespace emmy
   }
 
 #define INSTANTIATE(dim)                            \
-  template class ParticleLattice<dim>;              \
+  template class ParticleLayout<dim>;               \
   template dealii::BoundingBox<dim> uncut_box<dim>( \
     const Body<dim> &, const BackgroundGrid<dim> &);
   INSTANTIATE(2)
