@@ -4,6 +4,7 @@
 // and Newton converges quadratically.
 
 #include <emmy/solve/newton.h>
+#include <emmy/step/step_equation.h>
 #include <emmy/step/velocity_map.h>
 
 #include "../check.h"

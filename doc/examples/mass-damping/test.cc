@@ -4,6 +4,7 @@
 #include <emmy/output/ledger.h>
 #include <emmy/run/scene.h>
 #include <emmy/solve/newton.h>
+#include <emmy/step/step_equation.h>
 #include <emmy/step/velocity_map.h>
 
 #include <cmath>
