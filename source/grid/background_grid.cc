@@ -44,7 +44,8 @@ namespace emmy
     std::vector<CellKey<dim>> places;
     for (const Occupied &cell : occupied)
       places.push_back(cell.first);
-    part = Window<dim>::around(places, counts, communicator());
+    last_covered = occupied;
+    part         = Window<dim>::around(places, counts, communicator());
     make_cells();
     find_cells();
     if (dealii::Utilities::MPI::n_mpi_processes(communicator()) > 1)

@@ -1,4 +1,5 @@
 #include <emmy/base/exceptions.h>
+#include <emmy/transfer/particle_parcel.h>
 #include <emmy/transfer/particle_sort.h>
 
 #include <map>
@@ -7,110 +8,6 @@ namespace emmy
 {
   namespace
   {
-    /** Particles on their way: place, position, id and fields of each. */
-    template <int dim>
-    class Parcel
-    {
-    public:
-      explicit Parcel(const unsigned int n_fields)
-        : length(2 * dim + 1 + n_fields)
-      {}
-
-      void
-      add(const CellKey<dim>                             &place,
-          const dealii::Particles::ParticleAccessor<dim> &particle)
-      {
-        const dealii::Point<dim> x      = particle.get_location();
-        const auto               fields = particle.get_properties();
-        for (const unsigned int coordinate : place)
-          values.push_back(coordinate);
-        for (unsigned int d = 0; d < dim; ++d)
-          values.push_back(x[d]);
-        values.push_back(particle.get_id());
-        values.insert(values.end(), fields.begin(), fields.end());
-      }
-
-      std::size_t
-      n_particles() const
-      {
-        return values.size() / length;
-      }
-
-      CellKey<dim>
-      place(const std::size_t i) const
-      {
-        CellKey<dim> result;
-        for (unsigned int d = 0; d < dim; ++d)
-          result[d] = values[i * length + d];
-        return result;
-      }
-
-      /** Insert a particle if this rank owns its cell. */
-      bool
-      unpack(const std::size_t                        i,
-             const BackgroundGrid<dim>               &grid,
-             dealii::Particles::ParticleHandler<dim> &particles) const
-      {
-        const auto cell = grid.cell_at(place(i));
-        if (cell == grid.triangulation().end() || !cell->is_locally_owned())
-          return false;
-        const double      *from = &values[i * length + dim];
-        dealii::Point<dim> x;
-        for (unsigned int d = 0; d < dim; ++d)
-          x[d] = from[d];
-        particles.insert_particle(
-          x,
-          grid.reference_position(place(i), x),
-          static_cast<dealii::types::particle_index>(from[dim]),
-          cell,
-          dealii::ArrayView<const double>(from + dim + 1,
-                                          length - 2 * dim - 1));
-        return true;
-      }
-
-      /** Move a particle to another parcel. */
-      void
-      hand_on(const std::size_t i, std::vector<double> &other) const
-      {
-        other.insert(other.end(),
-                     values.begin() + i * length,
-                     values.begin() + (i + 1) * length);
-      }
-
-      std::vector<double> values;
-
-    private:
-      const std::size_t length;
-    };
-
-    /** Put particles into their cells, whoever owns these. Collective. */
-    template <int dim>
-    void
-    deliver(const Parcel<dim>                       &parcel,
-            const BackgroundGrid<dim>               &grid,
-            dealii::Particles::ParticleHandler<dim> &particles)
-    {
-      using namespace dealii::Utilities::MPI;
-      std::map<unsigned int, std::vector<double>> outgoing;
-      for (std::size_t i = 0; i < parcel.n_particles(); ++i)
-        if (!parcel.unpack(i, grid, particles))
-          for (const unsigned int rank : grid.possible_owners(parcel.place(i)))
-            if (rank != this_mpi_process(grid.communicator()))
-              parcel.hand_on(i, outgoing[rank]);
-      // (in deal.II 9.4 insert_global_particles() hangs if a rank gets none)
-      if (max(outgoing.size(), grid.communicator()) > 0)
-        for (const auto &[sender, values] :
-             some_to_some(grid.communicator(), outgoing))
-          {
-            (void)sender;
-            Parcel<dim> incoming(particles.n_properties_per_particle());
-            incoming.values = values;
-            for (std::size_t i = 0; i < incoming.n_particles(); ++i)
-              incoming.unpack(i, grid, particles);
-          }
-      particles.update_cached_numbers();
-    }
-
     /** The window for these particles. Nothing else may be in the handler. */
     template <int dim>
     void
@@ -118,13 +15,10 @@ namespace emmy
                 BackgroundGrid<dim>                     &grid,
                 dealii::Particles::ParticleHandler<dim> &particles)
     {
-      const unsigned int n_fields = particles.n_properties_per_particle();
-      particles.clear();
       std::map<CellKey<dim>, unsigned int> n_points;
       for (std::size_t i = 0; i < parcel.n_particles(); ++i)
         ++n_points[parcel.place(i)];
-      grid.cover({n_points.begin(), n_points.end()});
-      particles.initialize(grid.triangulation(), grid.mapping(), n_fields);
+      open_window<dim>({n_points.begin(), n_points.end()}, grid, particles);
       particles.reserve(parcel.n_particles());
     }
   } // namespace

@@ -72,6 +72,17 @@ namespace emmy
     void
     cover(const std::vector<Occupied> &occupied);
 
+    /**
+     * What cover() was last given on this rank. The same cells with the same
+     * numbers of points, wherever they are given, make the same window, the
+     * same partition and the same ids of nodes.
+     */
+    const std::vector<Occupied> &
+    covered() const
+    {
+      return last_covered;
+    }
+
     /** The part of the grid that has cells. */
     const Window<dim> &
     window() const;
@@ -230,6 +241,7 @@ namespace emmy
     const std::vector<unsigned int>                            counts;
     dealii::Tensor<1, dim>                                     h;
     Window<dim>                                                part;
+    std::vector<Occupied>                                      last_covered;
     dealii::parallel::distributed::Triangulation<dim>          cells;
     dealii::MappingCartesian<dim>                              cartesian;
     dealii::FE_Q<dim>                                          element;
