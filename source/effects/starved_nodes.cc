@@ -94,6 +94,38 @@ namespace emmy
     return found.text();
   }
 
+  template <int dim>
+  std::vector<double>
+  StarvedNodes<dim>::memory() const
+  {
+    std::vector<double> result{double(most_kept), largest_weight};
+    for (const auto &[place, is_fed] : classes_before.active)
+      {
+        result.insert(result.end(), place.begin(), place.end());
+        result.push_back(is_fed);
+      }
+    return result;
+  }
+
+  template <int dim>
+  void
+  StarvedNodes<dim>::recall(const std::vector<std::vector<double>> &parts)
+  {
+    // without a partition: class_changes() looks at the places of all ranks
+    classes_before = {};
+    most_kept      = parts.at(0).at(0);
+    largest_weight = parts.at(0).at(1);
+    for (std::size_t part = 1; part < parts.size(); ++part)
+      for (std::size_t i = 2; i < parts[part].size(); i += dim + 1)
+        {
+          const auto   from = parts[part].begin() + i;
+          CellKey<dim> place;
+          std::copy_n(from, dim, place.begin());
+          classes_before.active.emplace_back(place, from[dim] != 0.);
+        }
+    std::sort(classes_before.active.begin(), classes_before.active.end());
+  }
+
   template class StarvedNodes<2>;
   template class StarvedNodes<3>;
 } // namespace emmy

@@ -1,15 +1,24 @@
 #include <emmy/base/exceptions.h>
+#include <emmy/base/sealed_file.h>
+#include <emmy/base/text.h>
 #include <emmy/base/whole_file.h>
 #include <emmy/output/ledger.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
+#include <filesystem>
 #include <limits>
+#include <sstream>
+#include <system_error>
 
 namespace emmy
 {
   namespace
   {
+    /** The column of the first energy entry. */
+    constexpr unsigned int first_energy = 6;
+
     std::vector<std::string>
     column_names(const StepReport &initial, const unsigned int dim)
     {
@@ -52,11 +61,11 @@ namespace emmy
     , names(column_names(initial, dim))
     , sums(sums_of_run ? *sums_of_run : own_sums)
   {
-    sums = {initial.energies};
-    for (EnergyEntry &sum : sums.energies)
-      sum.change = 0.;
+    sums             = {initial.energies};
     StepReport first = initial;
     first.time_step  = 0.; // no step led here
+    for (EnergyEntry &entry : first.energies)
+      entry.change = 0.;
     add(first);
   }
 
@@ -155,20 +164,105 @@ namespace emmy
   double
   Ledger::total_energy() const
   {
-    double total = (*this)["kinetic_energy"];
-    for (const EnergyEntry &sum : sums.energies)
-      if (sum.kind == EnergyEntry::Kind::stored)
-        total += sum.change;
+    return energy_of(all_rows.back());
+  }
+
+  double
+  Ledger::largest_energy() const
+  {
+    double largest = energy_of(all_rows.front());
+    for (const Row &row : all_rows)
+      largest = std::max(largest, energy_of(row));
+    return largest;
+  }
+
+  double
+  Ledger::energy_of(const Row &row) const
+  {
+    double total = row[3]; // kinetic
+    for (unsigned int i = 0; i < sums.energies.size(); ++i)
+      if (sums.energies[i].kind == EnergyEntry::Kind::stored)
+        total += row[first_energy + i];
     return total;
+  }
+
+  std::string
+  Ledger::go_on(const std::string &filename,
+                const unsigned int step,
+                const double       time)
+  {
+    std::ifstream in(filename, std::ios::binary);
+    if (!in)
+      return "the file <" + filename + "> cannot be read";
+    std::string line;
+    const auto  whole_line = [&] {
+      // a line without its end was cut
+      return static_cast<bool>(std::getline(in, line)) && !in.eof();
+    };
+    if (!whole_line() || line != join(names, ","))
+      return "the file <" + filename + "> has other columns than the run";
+    std::vector<Row> rows;
+    while (rows.size() <= step && whole_line())
+      {
+        Row         row;
+        const char *from = line.c_str();
+        for (char *end = nullptr; *from != '\0'; from = end + (*end == ','))
+          {
+            row.push_back(std::strtod(from, &end));
+            if (end == from || (*end != ',' && *end != '\0'))
+              break;
+          }
+        if (row.size() != names.size() || row[0] != rows.size())
+          return "the file <" + filename + "> has no row of step " +
+                 std::to_string(rows.size()) + " where it should be";
+        rows.push_back(row);
+      }
+    if (rows.size() <= step)
+      return "the file <" + filename + "> ends before step " +
+             std::to_string(step) + ", with " + std::to_string(rows.size()) +
+             " rows";
+    if (rows[step][1] != time)
+      return "the file <" + filename + "> has another time at step " +
+             std::to_string(step) + " than the checkpoint";
+    const std::streamoff length = in.tellg();
+    in.close();
+    std::error_code error;
+    std::filesystem::resize_file(filename, length, error);
+    if (error)
+      return cannot_write(filename, error.value());
+    errno = 0;
+    file.open(filename, std::ios::app);
+    if (!file.is_open())
+      return cannot_write(filename, errno);
+    name = filename;
+    file.precision(std::numeric_limits<double>::max_digits10);
+    set_rows(rows);
+    return {};
+  }
+
+  void
+  Ledger::set_rows(const std::vector<Row> &rows)
+  {
+    all_rows = rows;
+  }
+
+  std::string
+  Ledger::flush() const
+  {
+    return file.is_open() ? flush_to_disk(name) : std::string();
   }
 
   void
   Ledger::write_row(const Row &row)
   {
-    errno = 0;
+    // in one piece, so that who is killed leaves whole lines
+    std::ostringstream line;
+    line.precision(file.precision());
     for (unsigned int c = 0; c < row.size(); ++c)
-      file << (c ? "," : "") << row[c];
-    file << '\n' << std::flush;
+      line << (c ? "," : "") << row[c];
+    line << '\n';
+    errno = 0;
+    file << line.str() << std::flush;
     if (!file.good() && write_problem.empty())
       write_problem = cannot_write(name, errno);
   }

@@ -57,10 +57,22 @@ namespace emmy
         return own_card;
       }
 
+      std::vector<dealii::types::particle_index>
+      memory() const override
+      {
+        return ids;
+      }
+
+      void
+      recall(const std::vector<dealii::types::particle_index> &memory) override
+      {
+        ids = memory;
+      }
+
     private:
-      const std::vector<dealii::types::particle_index> ids;
-      const MPI_Comm                                   communicator;
-      const EffectCard                                 own_card;
+      std::vector<dealii::types::particle_index> ids;
+      const MPI_Comm                             communicator;
+      const EffectCard                           own_card;
     };
 
     template <int dim>

@@ -47,6 +47,14 @@ namespace emmy
                                       {"reaction_work", "reactions", ""}};
 
 
+    /** The file of the particles of a snapshot. */
+    std::string
+    snapshot_name(const std::size_t number)
+    {
+      return "particles_" + dealii::Utilities::to_string(number, 2) + ".dat";
+    }
+
+
     std::vector<Curve>
     present(const std::vector<Curve>       &curves,
             const std::vector<std::string> &columns)
@@ -179,10 +187,8 @@ namespace emmy
         });
       }
 
-    const std::string file =
-      "particles_" + dealii::Utilities::to_string(particles.panels.size(), 2) +
-      ".dat";
-    std::ofstream out(fs::path(folder) / file);
+    const std::string file = snapshot_name(particles.panels.size());
+    std::ofstream     out(fs::path(folder) / file);
     out << "# t = " << time << " s; columns: x y " << (dim == 3 ? "z " : "")
         << "(m) value\n"
         << std::setprecision(8);
@@ -203,6 +209,53 @@ namespace emmy
     particles.panels.push_back({time, positions.empty() ? "" : file});
     if (!out.flush())
       cannot_write(file);
+  }
+
+
+  std::vector<double>
+  Pictures::memory() const
+  {
+    std::vector<double> result{double(particles.dim),
+                               particles.spacing,
+                               particles.smallest,
+                               particles.largest};
+    for (unsigned int d = 0; d < 3; ++d)
+      result.insert(result.end(),
+                    {grid_lower[d],
+                     grid_upper[d],
+                     lowest[d],
+                     highest[d],
+                     particles.cell_size[d]});
+    for (const auto &panel : particles.panels)
+      result.insert(result.end(), {panel.time, panel.file.empty() ? 0. : 1.});
+    return result;
+  }
+
+
+  void
+  Pictures::recall(const std::vector<double> &memory)
+  {
+    auto       number  = memory.begin();
+    const auto next    = [&] { return *number++; };
+    particles.dim      = next();
+    particles.spacing  = next();
+    particles.smallest = next();
+    particles.largest  = next();
+    for (unsigned int d = 0; d < 3; ++d)
+      {
+        grid_lower[d]          = next();
+        grid_upper[d]          = next();
+        lowest[d]              = next();
+        highest[d]             = next();
+        particles.cell_size[d] = next();
+      }
+    particles.panels.clear();
+    while (number != memory.end())
+      {
+        const double time = next();
+        particles.panels.push_back(
+          {time, next() != 0. ? snapshot_name(particles.panels.size()) : ""});
+      }
   }
 
 

@@ -9,12 +9,14 @@
 
 namespace emmy
 {
-  Series::Series(const std::string &directory,
-                 const std::string &basename,
-                 const MPI_Comm     communicator)
+  Series::Series(const std::string  &directory,
+                 const std::string  &basename,
+                 const MPI_Comm      communicator,
+                 std::vector<Entry> *of_run)
     : filename(
         (std::filesystem::path(directory) / (basename + ".pvd")).string())
     , communicator(communicator)
+    , frames(of_run ? *of_run : own_frames)
   {}
 
 
@@ -22,7 +24,15 @@ namespace emmy
   Series::add(const double time, const std::string &file)
   {
     frames.emplace_back(time, file);
+    write();
+  }
 
+
+  void
+  Series::write() const
+  {
+    if (frames.empty())
+      return;
     std::string problem;
     if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
       {
@@ -32,6 +42,4 @@ namespace emmy
       }
     throw_together(communicator, "Output", problem, file_remedy);
   }
-
-
 } // namespace emmy

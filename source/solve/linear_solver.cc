@@ -315,9 +315,11 @@ namespace emmy
     {
     public:
       AutomaticSolver(const std::string &preconditioner,
-                      const unsigned int n_components)
+                      const unsigned int n_components,
+                      LinearSolverState *state_of_run)
         : krylov("GMRES", preconditioner, n_components, 300)
         , largest_direct(largest_direct_size(n_components))
+        , state(state_of_run ? *state_of_run : own_state)
       {}
 
       LinearResult
@@ -325,10 +327,10 @@ namespace emmy
       {
         matrix     = &new_matrix;
         first_norm = 0.;
-        is_direct  = n_direct_left > 0;
+        is_direct  = state.n_direct_left > 0;
         if (is_direct)
           {
-            --n_direct_left;
+            --state.n_direct_left;
             return direct.prepare(*matrix);
           }
         const LinearResult result = krylov.prepare(*matrix);
@@ -371,9 +373,9 @@ namespace emmy
       name() const override
       {
         return krylov.name() +
-               (n_failures == 0
+               (state.n_failures == 0
                   ? std::string()
-                  : ", which failed " + std::to_string(n_failures) +
+                  : ", which failed " + std::to_string(state.n_failures) +
                       " times; then direct (KLU)");
       }
 
@@ -384,19 +386,20 @@ namespace emmy
       {
         if (matrix->m() > largest_direct)
           return failure;
-        ++n_failures;
-        is_direct     = true;
-        n_direct_left = 50;
+        ++state.n_failures;
+        is_direct           = true;
+        state.n_direct_left = 50;
         return direct.prepare(*matrix);
       }
 
       KrylovSolver        krylov;
       DirectSolver        direct;
       const std::uint64_t largest_direct;
-      const Matrix       *matrix        = nullptr;
-      double              first_norm    = 0.; ///< of b since prepare()
-      bool                is_direct     = false;
-      unsigned int        n_direct_left = 0, n_failures = 0;
+      const Matrix       *matrix     = nullptr;
+      double              first_norm = 0.; ///< of b since prepare()
+      bool                is_direct  = false;
+      LinearSolverState   own_state;
+      LinearSolverState  &state;
     };
   } // namespace
 
@@ -409,16 +412,21 @@ namespace emmy
   std::unique_ptr<LinearSolver>
   make_linear_solver(const SolverParameters &parameters,
                      const std::uint64_t     n_dofs,
-                     const unsigned int      n_components)
+                     const unsigned int      n_components,
+                     LinearSolverState      *state)
   {
     parameters.validate();
-    const std::string &method   = parameters.linear_solver;
-    const bool         is_small = n_dofs <= (n_components == 2 ? 60000 : 1000);
+    if (state && state->first_size == 0)
+      state->first_size = n_dofs;
+    const std::uint64_t size     = state ? state->first_size : n_dofs;
+    const std::string  &method   = parameters.linear_solver;
+    const bool          is_small = size <= (n_components == 2 ? 60000 : 1000);
     if (method == "direct" || (method == "automatic" && is_small))
       return std::make_unique<DirectSolver>();
     if (method == "automatic")
       return std::make_unique<AutomaticSolver>(parameters.preconditioner,
-                                               n_components);
+                                               n_components,
+                                               state);
     return std::make_unique<KrylovSolver>(method,
                                           parameters.preconditioner,
                                           n_components,

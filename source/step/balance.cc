@@ -223,6 +223,30 @@ namespace emmy
   }
 
   template <int dim>
+  std::vector<std::vector<double>>
+  Balance<dim>::memory() const
+  {
+    std::vector<std::vector<double>> result;
+    for (const auto &term : effects.terms)
+      result.push_back(term->memory());
+    return result;
+  }
+
+  template <int dim>
+  void
+  Balance<dim>::recall(
+    const std::vector<std::vector<std::vector<double>>> &parts) const
+  {
+    for (unsigned int i = 0; i < effects.terms.size(); ++i)
+      {
+        std::vector<std::vector<double>> of_term;
+        for (const auto &part : parts)
+          of_term.push_back(part[i]);
+        effects.terms[i]->recall(of_term);
+      }
+  }
+
+  template <int dim>
   bool
   Balance<dim>::has_loads() const
   {

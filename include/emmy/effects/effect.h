@@ -89,7 +89,12 @@ namespace emmy
       return {};
     }
 
-    /** Go on from what memory() gave, on all ranks of that time. */
+    /**
+     * Go on from what memory() gave, perhaps on other ranks, and on more or
+     * fewer.
+     * @param parts first that of rank 0, on all ranks; then those of some
+     *   ranks, each of which comes to one rank
+     */
     virtual void
     recall(const std::vector<std::vector<double>> &parts)
     {

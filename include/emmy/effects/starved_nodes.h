@@ -45,6 +45,11 @@ namespace emmy
     /** Where starved nodes are worse off than ever before. */
     std::string
     finding() override;
+    /** The classes of the last step, and the worst so far. */
+    std::vector<double>
+    memory() const override;
+    void
+    recall(const std::vector<std::vector<double>> &parts) override;
 
   private:
     const Aggregation<dim> aggregation;

@@ -24,7 +24,8 @@ namespace emmy
 
     /**
      * @param initial  the state before the first step; its energy entries and
-     *   measures are those of all later reports
+     *   measures are those of all later reports, and what is in the entries is
+     *   what there was before
      * @param dim      2: only momenta in the plane
      * @param sums     where the sums are kept; null: in the ledger
      */
@@ -38,6 +39,26 @@ namespace emmy
      */
     void
     write_to(const std::string &filename);
+
+    /**
+     * Go on with the ledger that a file holds up to a step, which is that of
+     * the sums: rows after it, and half a row, are cut off, and new ones
+     * follow. The file's other bytes stay. For rank 0.
+     * @param time at the end of that step, s
+     * @return what is wrong with the file; then it is as it was. Empty: nothing
+     */
+    std::string
+    go_on(const std::string &filename,
+          const unsigned int step,
+          const double       time);
+
+    /** The same on other ranks, with the rows of rank 0. */
+    void
+    set_rows(const std::vector<Row> &rows);
+
+    /** Hand the rows to the disk. What went wrong; empty: nothing did. */
+    std::string
+    flush() const;
 
     void
     add(const StepReport &report);
@@ -64,9 +85,15 @@ namespace emmy
     double
     total_energy() const;
 
+    /** The largest of all rows, J. */
+    double
+    largest_energy() const;
+
   private:
     void
     write_row(const Row &row);
+    double
+    energy_of(const Row &row) const;
 
     const unsigned int       dim;
     std::vector<std::string> names;

@@ -31,6 +31,21 @@ namespace emmy
     virtual std::vector<StepMeasure>
     measure(const dealii::Particles::ParticleHandler<dim> &particles) const = 0;
 
+    /** What was chosen at the start and is not in the particles; the same on
+     * all ranks. */
+    virtual std::vector<dealii::types::particle_index>
+    memory() const
+    {
+      return {};
+    }
+
+    /** Go on from a checkpoint with what memory() was then. */
+    virtual void
+    recall(const std::vector<dealii::types::particle_index> &memory)
+    {
+      (void)memory;
+    }
+
     /** Its name, what it measures in words, and its columns. */
     virtual const EffectCard &
     card() const = 0;

@@ -61,6 +61,14 @@ namespace emmy
     std::vector<std::string>
     draw(const std::string &value_label = "strain energy density (J/m^3)");
 
+    /** What the pictures remember of the snapshots, for recall(). */
+    std::vector<double>
+    memory() const;
+
+    /** Go on after snapshots of before, whose files are still there. */
+    void
+    recall(const std::vector<double> &memory);
+
   private:
     /** Names of the columns of the ledger; empty if it cannot be read. */
     std::vector<std::string>

@@ -22,10 +22,14 @@ namespace emmy
 
     /**
      * @param directory an existing folder, the one of the frames
+     * @param of_run    borrowed: where the frames are listed, those of before
+     *   among them; null: in the series
      */
-    Series(const std::string &directory,
-           const std::string &basename,
-           const MPI_Comm     communicator);
+    Series(const std::string  &directory,
+           const std::string  &basename,
+           const MPI_Comm      communicator,
+           std::vector<Entry> *of_run = nullptr);
+    Series(const Series &) = delete;
 
     /**
      * Collective: add the frame @p file, as DataFile::write() returned it, at
@@ -35,10 +39,15 @@ namespace emmy
     void
     add(const double time, const std::string &file);
 
+    /** Write the .pvd of the frames so far; without any there is none. */
+    void
+    write() const;
+
   private:
-    const std::string  filename;
-    const MPI_Comm     communicator;
-    std::vector<Entry> frames;
+    const std::string   filename;
+    const MPI_Comm      communicator;
+    std::vector<Entry>  own_frames;
+    std::vector<Entry> &frames;
   };
 } // namespace emmy
 

@@ -50,6 +50,14 @@ namespace emmy
     std::string  problem;        ///< in words, if not solved
   };
 
+  /** What a solver's choices depend on, from one system to the next. */
+  struct LinearSolverState
+  {
+    std::uint64_t first_size    = 0; ///< unknowns of the first system
+    unsigned int  n_direct_left = 0; ///< systems that LU gets before GMRES may
+    unsigned int  n_failures    = 0; ///< of GMRES, which LU solved then
+  };
+
   /**
    * A solver for square, in general non-symmetric, matrices. Owned by the
    * step; used for the point-to-grid map and by Newton.
@@ -100,11 +108,14 @@ namespace emmy
    *
    * @param n_dofs       size of the first system, for the choice
    * @param n_components unknowns per node, for the multigrid's near-kernel
+   * @param state        borrowed: where the solver keeps what its choices
+   *   depend on; one that knows a first size goes on. Null: in the solver
    */
   std::unique_ptr<LinearSolver>
   make_linear_solver(const SolverParameters &parameters,
                      const std::uint64_t     n_dofs,
-                     const unsigned int      n_components);
+                     const unsigned int      n_components,
+                     LinearSolverState      *state = nullptr);
 
   /**
    * Solve A x = b to round-off, with constraints C^T A x = C^T b: by iterative

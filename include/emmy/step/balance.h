@@ -77,6 +77,14 @@ namespace emmy
              const BackgroundGrid<dim> &grid,
              Phases                    *phases) const;
 
+    /** What each effect remembers: see Effect::memory(). */
+    std::vector<std::vector<double>>
+    memory() const;
+
+    /** @param parts as memory() gave them, in the order of Effect::recall() */
+    void
+    recall(const std::vector<std::vector<std::vector<double>>> &parts) const;
+
     /** Whether there is an effect of this name. */
     bool
     has(const std::string &effect) const;

@@ -4,6 +4,11 @@
 #include <deal.II/particles/particle_handler.h>
 
 #include <emmy/effects/step_report.h>
+#include <emmy/solve/linear_solver.h>
+
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace emmy
 {
@@ -22,20 +27,34 @@ namespace emmy
   {
     unsigned int n_intervals = 0, n_frames = 0, n_pictures = 0;
     double       last_frame = -1., last_picture = -1.; ///< s
+    double       reached = 0.; ///< pictures up to this time were due, s
+    /** Time (s) and file of each frame. */
+    std::vector<std::pair<double, std::string>> particle_files, grid_files;
+    /** On rank 0: see Pictures::memory(). */
+    std::vector<double> pictures;
+  };
+
+  /** How often steps were hard to make. */
+  struct Struggles
+  {
+    unsigned int halvings = 0; ///< how often a step was tried again
+    unsigned int damped   = 0; ///< steps that needed a damped Newton matrix
   };
 
   /** What has been said on the screen, and is not said again. */
   struct Told
   {
     bool limited_travel = false, struggled = false, held_places = false,
-         detected                  = false;
+         detected = false, crossed_cells = false;
     std::uint64_t most_cut_domains = 0;
   };
 
   /**
-   * What one step hands to the next: from this, what effects remember
-   * (Effect::memory()) and the parameters a run can go on. Steppers, ledger and
-   * frames keep what can be made again. Owned by the scene.
+   * What one step hands to the next: from this, what effects and measurements
+   * remember (Effect::memory(), Measurement::memory()) and the parameters a run
+   * can go on. Steppers, ledger and frames keep what can be made again. Owned
+   * by the scene. What is added here is added to run/saved_run.cc, which does
+   * not compile without it.
    */
   template <int dim>
   struct RunState
@@ -47,7 +66,13 @@ namespace emmy
     DetectorState detector;
     LedgerSums    ledger;
     FramesState   frames;
-    Told          told;
+    /** Of a run at its end: without what is written there only; else empty. */
+    std::vector<FramesState> frames_before_end;
+    Told                     told;
+    Struggles                struggles;
+    LinearSolverState        linear_solver;
+    /** A number that tells in which cells particles were at the start. */
+    std::uint64_t occupancy_at_start = 0;
   };
 } // namespace emmy
 
