@@ -45,16 +45,36 @@ namespace emmy
     }
 
 
+    /** Remove the checkpoints of a run. Returns what could not be removed. */
+    std::string
+    remove_checkpoints(const fs::path &folder)
+    {
+      static const std::regex ours("(damaged-)?step-[0-9]+(\\.new|\\.old)?");
+      const fs::path          checkpoints = folder / "checkpoints";
+      if (!fs::is_directory(checkpoints))
+        return {};
+      std::vector<fs::path> old;
+      for (const auto &entry : fs::directory_iterator(checkpoints))
+        if (std::regex_match(entry.path().filename().string(), ours))
+          old.push_back(entry.path());
+      std::error_code error;
+      for (const fs::path &one : old)
+        if (fs::remove_all(one, error); error)
+          return one.string();
+      fs::remove(checkpoints,
+                 error); // fails if something of the user's is left
+      return {};
+    }
+
+
     /** Remove what emmy writes, and nothing else. */
     Problem
     remove_old_run(const fs::path &folder)
     {
-      std::string kept =
-        remove_matching(folder,
-                        "(ledger\\.csv|parameters\\.prm|run\\.log|"
-                        "timing\\.json|fields\\.txt|"
-                        "(particles|grid)(_[0-9]+(\\.[0-9]+)?\\.p?vtu|"
-                        "\\.pvd))(\\.new)?");
+      const std::string run_files =
+        "(ledger\\.csv|parameters\\.prm|run\\.log|timing\\.json|fields\\.txt|"
+        "(particles|grid)(_[0-9]+(\\.[0-9]+)?\\.p?vtu|\\.pvd))(\\.new)?";
+      std::string    kept     = remove_matching(folder, run_files);
       const fs::path pictures = folder / "pictures";
       if (kept.empty() && fs::is_directory(pictures))
         {
@@ -66,6 +86,21 @@ namespace emmy
           fs::remove(pictures, ignored);
         }
       if (kept.empty())
+        kept = remove_checkpoints(folder);
+      if (kept.empty())
+        kept = remove_checkpoints(folder / "start");
+      std::error_code ignored; // fails if something of the user's is left
+      fs::remove(folder / "start", ignored);
+      if (kept.empty() && fs::is_directory(folder / "failure"))
+        {
+          kept = remove_matching(folder / "failure", "cause\\.txt");
+          if (kept.empty())
+            if (const Problem problem = remove_old_run(folder / "failure");
+                !problem.what.empty())
+              return problem;
+          fs::remove(folder / "failure", ignored);
+        }
+      if (kept.empty())
         return {};
       return {"<" + kept + "> of the old run cannot be removed",
               "check its permissions, or choose another directory."};
@@ -73,7 +108,7 @@ namespace emmy
 
 
     Problem
-    prepare(const std::string &path, const bool overwrite)
+    prepare(const std::string &path)
     {
       if (path.empty())
         return {"no folder is given",
@@ -100,13 +135,19 @@ namespace emmy
         return {"no file can be written in the folder <" + path + ">",
                 "check its permissions and the space on the disk, or choose "
                 "another directory."};
+      return {};
+    }
 
-      if (overwrite)
-        return remove_old_run(folder);
-      if (fs::exists(folder / "ledger.csv"))
+
+    Problem
+    refuse_old_run(const std::string &path)
+    {
+      if (fs::exists(fs::path(path) / "ledger.csv"))
         return {"the folder <" + path + "> already holds a run",
                 "run with --overwrite or `set Overwrite = true` in section "
-                "Output to replace it, or choose another directory."};
+                "Output to replace it, or choose another directory. A run "
+                "that has checkpoints goes on with emmy --restart " +
+                  path + "."};
       return {};
     }
   } // namespace
@@ -114,6 +155,20 @@ namespace emmy
 
   RunDirectory::RunDirectory(const std::string &path,
                              const bool         overwrite,
+                             const MPI_Comm     communicator)
+    : RunDirectory(path, overwrite ? Old::removed : Old::refused, communicator)
+  {}
+
+
+  RunDirectory
+  RunDirectory::of_run(const std::string &path, const MPI_Comm communicator)
+  {
+    return RunDirectory(path, Old::kept, communicator);
+  }
+
+
+  RunDirectory::RunDirectory(const std::string &path,
+                             const Old          old_run,
                              const MPI_Comm     communicator)
     : directory(path)
   {
@@ -123,7 +178,11 @@ namespace emmy
     if (is_first)
       try
         {
-          problem = prepare(path, overwrite);
+          problem = prepare(path);
+          if (problem.what.empty() && old_run == Old::removed)
+            problem = remove_old_run(path);
+          else if (problem.what.empty() && old_run == Old::refused)
+            problem = refuse_old_run(path);
         }
       catch (const std::filesystem::filesystem_error &error)
         {
@@ -146,6 +205,28 @@ namespace emmy
                     dealii::Utilities::MPI::this_mpi_process(communicator)) +
                   " does not see the folder <" + path + "> that rank 0 made",
       "choose a directory on a file system that all ranks share.");
+  }
+
+
+  void
+  RunDirectory::remove_frames_from(const unsigned int number) const
+  {
+    static const std::regex ours(
+      "(particles|grid)_([0-9]{4,9})(\\.[0-9]+)?\\.p?vtu(\\.new)?");
+    std::error_code              error;
+    fs::directory_iterator       entry(directory, error);
+    const fs::directory_iterator end;
+    std::vector<fs::path>        late;
+    for (; !error && entry != end; entry.increment(error))
+      {
+        const std::string name = entry->path().filename().string();
+        std::smatch       match;
+        if (std::regex_match(name, match, ours) &&
+            std::stoul(match[2]) >= number)
+          late.push_back(entry->path());
+      }
+    for (const fs::path &file : late)
+      fs::remove(file, error);
   }
 
 

@@ -38,8 +38,11 @@ namespace emmy
                                                 ? directory.path()
                                                 : parameters.general.title)
                  : nullptr)
-    , particle_series(directory.path(), "particles", communicator)
-    , grid_series(directory.path(), "grid", communicator)
+    , particle_series(directory.path(),
+                      "particles",
+                      communicator,
+                      &state.particle_files)
+    , grid_series(directory.path(), "grid", communicator, &state.grid_files)
     , picture_times(wanted.picture_times.empty()
                       ? default_picture_times<dim>(end_time)
                       : wanted.picture_times)
@@ -62,22 +65,54 @@ namespace emmy
   }
 
   template <int dim>
+  unsigned int
+  Frames<dim>::intervals_until(const double time) const
+  {
+    return static_cast<unsigned int>(
+      wanted.frames * std::min(1., time / end_time * (1. + 1e-12)));
+  }
+
+  template <int dim>
+  void
+  Frames<dim>::go_on(const bool is_at_end)
+  {
+    std::vector<FramesState> &before_end = scene.state.frames_before_end;
+    if (!is_at_end && !before_end.empty())
+      {
+        state = before_end[0];
+        before_end.clear();
+      }
+    // the same as before, unless the times that are wanted are others
+    state.n_intervals = intervals_until(scene.state.time);
+    state.n_pictures  = std::upper_bound(picture_times.begin(),
+                                        picture_times.end(),
+                                        state.reached) -
+                       picture_times.begin();
+    if (pictures && !state.pictures.empty())
+      pictures->recall(state.pictures);
+    if (is_first)
+      directory.remove_frames_from(state.n_frames);
+    particle_series.write();
+    grid_series.write();
+  }
+
+  template <int dim>
   void
   Frames<dim>::after(const StepReport &report)
   {
-    const auto scope = scene.phases.scope("output");
-    const auto due   = static_cast<unsigned int>(
-      wanted.frames * std::min(1., report.time / end_time * (1. + 1e-12)));
+    const auto         scope = scene.phases.scope("output");
+    const unsigned int due   = intervals_until(report.time);
+    has_grid                 = true;
     if (due > state.n_intervals)
       {
         state.n_intervals = due;
         write_files(report.time, /*with_grid=*/true);
       }
     // the step that ends nearest to a wanted time
-    const double reached           = report.time + 0.5 * report.time_step;
-    const auto   n_pictures_so_far = state.n_pictures;
+    state.reached                = report.time + 0.5 * report.time_step;
+    const auto n_pictures_so_far = state.n_pictures;
     while (state.n_pictures < picture_times.size() &&
-           picture_times[state.n_pictures] <= reached)
+           picture_times[state.n_pictures] <= state.reached)
       ++state.n_pictures;
     if (pictures && state.n_pictures > n_pictures_so_far)
       take_picture(report.time);
@@ -88,13 +123,28 @@ namespace emmy
   Frames<dim>::finish(const StepReport &last, const bool is_complete)
   {
     const auto scope = scene.phases.scope("pictures");
+    write_last(last, is_complete);
+    return is_first && pictures ? pictures->draw() : std::vector<std::string>();
+  }
+
+  template <int dim>
+  void
+  Frames<dim>::at_end(const StepReport &last)
+  {
+    const auto scope              = scene.phases.scope("output");
+    scene.state.frames_before_end = {state};
+    write_last(last, /*is_complete=*/true);
+  }
+
+  template <int dim>
+  void
+  Frames<dim>::write_last(const StepReport &last, const bool is_complete)
+  {
     if (wanted.frames > 0 && state.last_frame < last.time)
-      write_files(last.time, /*with_grid=*/is_complete);
-    if (!pictures)
-      return {};
-    if (state.last_picture < last.time && wanted.picture_times.empty())
+      write_files(last.time, /*with_grid=*/is_complete && has_grid);
+    if (pictures && state.last_picture < last.time &&
+        wanted.picture_times.empty())
       take_picture(last.time);
-    return is_first ? pictures->draw() : std::vector<std::string>();
   }
 
   template <int dim>
@@ -246,6 +296,7 @@ namespace emmy
                                 scene.grid.lower_corner(),
                                 scene.grid.upper_corner(),
                                 scene.grid.n_cells());
+    state.pictures = pictures->memory();
   }
 
   template class Frames<2>;

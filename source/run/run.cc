@@ -4,8 +4,11 @@
 #include <emmy/output/ledger.h>
 #include <emmy/output/progress.h>
 #include <emmy/output/run_directory.h>
+#include <emmy/run/checkpoints.h>
+#include <emmy/run/failure_bundle.h>
 #include <emmy/run/frames.h>
 #include <emmy/run/price.h>
+#include <emmy/run/restart.h>
 #include <emmy/run/run.h>
 #include <emmy/run/scene_card.h>
 
@@ -60,6 +63,7 @@ namespace emmy
       StepReport report;              ///< of the last accepted step
       double     largest_energy = 0.; ///< of all steps, J
       RunCounts  counts;
+      bool       makes_step = false; ///< still true: a step failed
       /** Of the ledger and the log on this rank; empty: none. */
       std::function<std::string()> file_problem;
     };
@@ -99,7 +103,8 @@ namespace emmy
     summarise(std::ostream     &out,
               const Ledger     &ledger,
               const StepReport &initial,
-              const Course     &course)
+              const Course     &course,
+              const Struggles  &struggles)
     {
       double smallest = 0., largest = 0.;
       for (unsigned int row = 1; row < ledger.rows().size(); ++row)
@@ -136,17 +141,26 @@ namespace emmy
           out << "largest condition of the scaled " << matrix << ' '
               << worst[name] << ", at step " << worst[0] << '\n';
         }
-      if (course.counts.halvings > 0)
-        out << "times a step was halved: " << course.counts.halvings
+      if (struggles.halvings > 0)
+        out << "times a step was halved: " << struggles.halvings
             << " (named in run.log)\n";
-      if (course.counts.damped > 0)
-        out << "steps that needed a damped Newton matrix: "
-            << course.counts.damped << " (named in run.log)\n";
+      if (struggles.damped > 0)
+        out << "steps that needed a damped Newton matrix: " << struggles.damped
+            << " (named in run.log)\n";
+    }
+
+    /** Whether a run with these limits has made its last step. */
+    bool
+    is_at_end(const StepReport &last, const TimeParameters &limits)
+    {
+      // a step that ends within round-off of the end time is the last
+      return last.time >= limits.end_time * (1. - 1e-12) ||
+             (limits.maximum_steps > 0 && last.step >= limits.maximum_steps);
     }
 
     /**
-     * Step after step until the limits are met. @p course is right also when
-     * this throws. Collective.
+     * Step after step until the limits are met, or a signal comes. @p course
+     * is right also when this throws. Collective.
      */
     template <int dim>
     void
@@ -154,15 +168,16 @@ namespace emmy
                    const TimeParameters &limits,
                    Ledger               &ledger,
                    Frames<dim>          &frames,
+                   Checkpoints<dim>     &checkpoints,
                    Progress             &progress,
                    Course               &course)
     {
       StepReport &report = course.report;
-      // a step that ends within round-off of the end time is the last
-      while (report.time < limits.end_time * (1. - 1e-12) &&
-             (limits.maximum_steps == 0 || report.step < limits.maximum_steps))
+      while (!is_at_end(report, limits) && !checkpoints.is_interrupted())
         {
-          report = scene.advance();
+          course.makes_step = true;
+          report            = scene.advance();
+          course.makes_step = false;
           for (const std::string &note : report.notes)
             progress.note(note);
           for (const std::string &finding : report.findings)
@@ -173,11 +188,15 @@ namespace emmy
                          course.file_problem(),
                          file_remedy + " What was written so far is kept.");
           frames.after(report);
+          if (is_at_end(report, limits)) // so that the checkpoint has it
+            frames.at_end(report);
           course.largest_energy =
             std::max(course.largest_energy, ledger.total_energy());
           ++course.counts.steps;
           course.counts.halvings += report.halvings;
           course.counts.damped += report.is_damped;
+          scene.state.struggles.halvings += report.halvings;
+          scene.state.struggles.damped += report.is_damped;
           progress.step(report.step,
                         report.time,
                         report.time_step,
@@ -185,12 +204,41 @@ namespace emmy
                         course.largest_energy > 0.
                           ? ledger["balance_error"] / course.largest_energy
                           : 0.);
+          if (const std::string problem = checkpoints.after_step();
+              !problem.empty())
+            progress.note(problem);
         }
+    }
+    /** The bundle of a failed step, and a line that says so. Collective. */
+    template <int dim>
+    std::string
+    leave_failure_bundle(Scene<dim>                 &scene,
+                         const SceneParameters<dim> &parameters,
+                         const RunDirectory         &directory,
+                         const std::exception_ptr   &failure)
+    {
+      std::string cause;
+      try
+        {
+          std::rethrow_exception(failure);
+        }
+      catch (const ExcRun &error)
+        {
+          cause = message_of(error);
+        }
+      const std::string problem =
+        write_failure_bundle(scene, text_of(parameters), directory, cause);
+      const std::string folder = directory.file("failure");
+      return problem.empty()
+               ? "what is known of the failed step is in " + folder +
+                   "; it is repeated with: emmy --restart " + folder
+               : "what is known of the failed step could not be written: " +
+                   problem;
     }
   } // namespace
 
   template <int dim>
-  void
+  RunEnd
   run(const ParameterFile &file,
       const RunOptions    &options,
       const MPI_Comm       communicator)
@@ -206,7 +254,12 @@ namespace emmy
 
     const SceneParameters<dim> parameters(file);
     parameters.output.validate();
+    parameters.start.validate(parameters.output.directory);
     parameters.solver.validate(); // not only when the first step needs it
+    const SavedRun *const          saved = options.restart;
+    const std::vector<std::string> changes =
+      saved ? changes_to_go_on(*saved, text_of(parameters), options.new_loads)
+            : std::vector<std::string>();
     Scene<dim>       scene(parameters, communicator);
     const StepReport initial = scene.initial_report();
     Ledger           ledger(initial, dim, &scene.state.ledger);
@@ -219,36 +272,44 @@ namespace emmy
       {
         scene.describe(screen, initial, card, options.with_absent);
         list_unused(file, parameters, screen);
-        return;
+        return RunEnd::complete;
       }
 
-    const RunDirectory directory(parameters.output.directory,
-                                 options.overwrite ||
-                                   parameters.output.overwrite,
-                                 communicator);
-    const std::string  log_name = directory.file("run.log");
+    const RunDirectory directory =
+      saved ? RunDirectory::of_run(parameters.output.directory, communicator)
+            : RunDirectory(parameters.output.directory,
+                           options.overwrite || parameters.output.overwrite,
+                           communicator);
+    if (saved)
+      go_on(*saved, directory, scene, ledger);
+    else if (!scene.started.path.empty())
+      keep_start(scene.started, directory, communicator);
+    const std::string log_name = directory.file("run.log");
     // not open, and so mute, on all ranks but the first
     std::ofstream log;
     std::string   file_problem;
     if (is_first)
       {
-        log.open(log_name);
-        std::ostringstream used;
-        parameters.print(used);
-        file_problem =
-          write_whole_file(directory.file("parameters.prm"), used.str());
+        log.open(log_name, saved ? std::ios::app : std::ios::out);
+        file_problem = write_whole_file(directory.file("parameters.prm"),
+                                        text_of(parameters));
       }
 
     std::ostringstream head;
     head << "emmy " EMMY_VERSION ": " << directory.path() << '\n';
-    scene.describe(head, initial, card, options.with_absent);
-    list_unused(file, parameters, head);
+    if (saved)
+      describe_restart(*saved, changes, n_ranks, head);
+    else
+      {
+        scene.describe(head, initial, card, options.with_absent);
+        list_unused(file, parameters, head);
+      }
     screen << head.str() << std::flush;
     log << head.str() << std::flush;
 
-    if (is_first)
+    if (is_first && !saved)
       ledger.write_to(directory.file("ledger.csv"));
-    Course course{initial, ledger.total_energy(), {}, [&] {
+    Course course{initial, ledger.largest_energy(), {}, false, [&] {
                     return is_first && !log ? cannot_write(log_name)
                                             : ledger.problem();
                   }};
@@ -256,8 +317,15 @@ namespace emmy
                    "Output",
                    file_problem.empty() ? course.file_problem() : file_problem,
                    file_remedy);
+    course.report.step = scene.state.step;
+    course.report.time = scene.state.time;
     Frames<dim> frames(scene, parameters, directory);
-    frames.initial();
+    if (saved)
+      frames.go_on(is_at_end(course.report, parameters.time));
+    else
+      frames.initial();
+    Checkpoints<dim> checkpoints(
+      scene, parameters, ledger, directory.path(), options.handles_signals);
     Progress progress(screen,
                       is_first && !options.is_quiet && isatty(STDOUT_FILENO) &&
                         n_ranks == 1,
@@ -288,20 +356,30 @@ namespace emmy
         }
     };
     attempt([&] {
-      advance_to_end(scene, parameters.time, ledger, frames, progress, course);
+      advance_to_end(
+        scene, parameters.time, ledger, frames, checkpoints, progress, course);
     });
     scene.phases.set_listener(nullptr);
     progress.finish();
-    attempt([&] {
-      for (const std::string &warning :
-           frames.finish(course.report, /*is_complete=*/!failure))
-        progress.note(warning);
-    });
+    const bool is_interrupted = checkpoints.is_interrupted() && !failure &&
+                                !is_at_end(course.report, parameters.time);
+    if (course.makes_step && failure && !(saved && saved->is_failure))
+      progress.note(
+        leave_failure_bundle(scene, parameters, directory, failure));
+    if (!is_interrupted)
+      if (const std::string problem = checkpoints.at_end(); !problem.empty())
+        progress.note(problem);
+    if (!is_interrupted) // the last frame and the pictures are still to come
+      attempt([&] {
+        for (const std::string &warning :
+             frames.finish(course.report, /*is_complete=*/!failure))
+          progress.note(warning);
+      });
 
     std::ostringstream tail;
     tail << "linear solver " << scene.stepper->solver_name() << '\n';
     tell_of_overshoot(parameters.time, course.report.time, tail);
-    summarise(tail, ledger, initial, course);
+    summarise(tail, ledger, initial, course, scene.state.struggles);
     std::vector<EffectCard> present;
     for (const CountedEffect &effect : card.effects)
       if (effect.card.is_present)
@@ -321,11 +399,18 @@ namespace emmy
     });
     if (failure)
       std::rethrow_exception(failure);
+    if (is_interrupted)
+      {
+        screen << checkpoints.farewell() << '\n';
+        log << checkpoints.farewell() << std::endl;
+        return RunEnd::interrupted;
+      }
     screen << "results in " << directory.path() << '\n';
+    return RunEnd::complete;
   }
 
-  template void
+  template RunEnd
   run<2>(const ParameterFile &, const RunOptions &, const MPI_Comm);
-  template void
+  template RunEnd
   run<3>(const ParameterFile &, const RunOptions &, const MPI_Comm);
 } // namespace emmy

@@ -145,21 +145,40 @@ namespace emmy
     , parameters(parameters)
   {
     const auto scope = phases.scope("setup");
+    fill_with_particles();
+    for (const std::string &note : balance.mark(grid, particles))
+      notes.push_back(note);
+    if (middle)
+      middle->begin(layout, particles);
+    for (const auto &measurement : parameters.measurements)
+      measurements.push_back(
+        measurement->make({bodies, grid, layout, particles}));
+    state.told.crossed_cells = parameters.method.shape_functions != "linear";
+    if (!state.told.crossed_cells)
+      state.occupancy_at_start = occupancy();
+  }
+
+  template <int dim>
+  void
+  Scene<dim>::fill_with_particles()
+  {
+    if (!parameters.start.from.empty())
+      {
+        started = start_from(parameters.start,
+                             bodies,
+                             parameters.effect_names.names,
+                             layout,
+                             grid,
+                             particles);
+        notes   = started.notes;
+        return;
+      }
     refuse_too_many(bodies, grid, layout);
     grid.cover(occupied_cells(bodies, grid));
     particles.initialize(grid.triangulation(),
                          grid.mapping(),
                          layout.n_components());
     fill(bodies, grid, layout, particles);
-    notes = balance.mark(grid, particles);
-    if (middle)
-      middle->begin(layout, particles);
-    for (const auto &measurement : parameters.measurements)
-      measurements.push_back(
-        measurement->make({bodies, grid, layout, particles}));
-    watches_crossings = parameters.method.shape_functions == "linear";
-    if (watches_crossings)
-      occupancy_at_start = occupancy();
   }
 
   template <int dim>
@@ -167,6 +186,15 @@ namespace emmy
   Scene<dim>::initial_report()
   {
     StepReport report = stepper->initial_report();
+    for (EnergyEntry &entry : report.energies)
+      if (const auto energy = started.stored.find(entry.name);
+          energy != started.stored.end() &&
+          entry.kind == EnergyEntry::Kind::stored)
+        {
+          entry.change = energy->second;
+          state.detector.stored_energy += entry.change;
+          state.detector.largest_stored += entry.change;
+        }
     measure(report);
     return report;
   }
@@ -176,9 +204,9 @@ namespace emmy
   Scene<dim>::advance()
   {
     StepReport report = stepper->advance();
-    if (watches_crossings && occupancy() != occupancy_at_start)
+    if (!state.told.crossed_cells && occupancy() != state.occupancy_at_start)
       {
-        watches_crossings = false;
+        state.told.crossed_cells = true;
         report.notes.push_back(
           step_name(report.step, report.time - report.time_step) +
           ": particles have crossed cells. Linear functions jump there: "

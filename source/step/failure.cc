@@ -47,6 +47,7 @@ namespace emmy
     const Diagnosis<dim> diagnosis =
       diagnose(matrix, ground.stencils, ground.points, setting.layout, active);
     const double limit = setting.method.diagnosis.report_above;
+    result.weakest     = diagnosis.text(name);
     result.text        = "; " + diagnosis.verdict(name, limit);
     if (diagnosis.is_above(limit) && !diagnosis.nodes.empty())
       result.remedy =
@@ -58,7 +59,8 @@ namespace emmy
   void
   give_up(const FailedStep<dim>  &step,
           const StepSetting<dim> &setting,
-          const std::string      &where)
+          const std::string      &where,
+          FailureRecord          &record)
   {
     const std::string halved = ", with the step halved " +
                                std::to_string(setting.limits.maximum_halvings) +
@@ -89,6 +91,7 @@ namespace emmy
                                step.ground,
                                *step.start.active,
                                setting);
+    record.weakest = verdict.weakest;
     throw_together(
       setting.grid.communicator(),
       where,
@@ -113,7 +116,8 @@ namespace emmy
   template void
   give_up<2>(const FailedStep<2> &,
              const StepSetting<2> &,
-             const std::string &);
+             const std::string &,
+             FailureRecord &);
   template RemediesInUse
   remedies_in_use<3>(const StepSetting<3> &);
   template std::string
@@ -127,5 +131,6 @@ namespace emmy
   template void
   give_up<3>(const FailedStep<3> &,
              const StepSetting<3> &,
-             const std::string &);
+             const std::string &,
+             FailureRecord &);
 } // namespace emmy

@@ -51,6 +51,7 @@ namespace emmy
   Stepper<dim>::solve()
   {
     Solution solution;
+    failure = {};
     choose_size(solution);
     for (unsigned int halvings = 0;; ++halvings, solution.time_step *= 0.5)
       {
@@ -69,6 +70,9 @@ namespace emmy
           move(solution);
         if (solution.newton.is_converged)
           break;
+        failure.tries.push_back({solution.time_step,
+                                 solution.newton.residual_history,
+                                 solution.newton.problem});
         if (halvings == setting.limits.maximum_halvings)
           give_up(FailedStep<dim>{solution.ground(),
                                   *start,
@@ -78,7 +82,8 @@ namespace emmy
                                   solution.leaves_grid,
                                   solution.newton.problem},
                   setting,
-                  where());
+                  where(),
+                  failure);
         ++solution.halvings;
         const std::string halved =
           "halved to " + brief(0.5 * solution.time_step) + " s";
@@ -251,7 +256,8 @@ namespace emmy
     if (!linear_solver)
       linear_solver = make_linear_solver(solver_parameters,
                                          solution.displacement.size(),
-                                         dim);
+                                         dim,
+                                         &state.linear_solver);
     solution.newton = Newton(solver_parameters, *linear_solver, setting.phases)
                         .solve(*solution.in_middle, solution.displacement);
     start = &solution.in_middle->grid_start();
@@ -276,8 +282,10 @@ namespace emmy
                                        GridStart<dim>    &start)
   {
     if (!linear_solver)
-      linear_solver =
-        make_linear_solver(solver_parameters, start.active->n_dofs(), dim);
+      linear_solver = make_linear_solver(solver_parameters,
+                                         start.active->n_dofs(),
+                                         dim,
+                                         &state.linear_solver);
     const LinearResult result = map_velocity(setting.method.balance,
                                              data_of(ground, start, 0.),
                                              *linear_solver,

@@ -56,7 +56,12 @@ namespace emmy
           "of a run or --check: say what each absent effect would cost too")(
           "overwrite",
           "replace the results of an earlier run; run all members of a study "
-          "again");
+          "again")("restart",
+                   text("DIRECTORY"),
+                   "go on with the run whose results are there, from its last "
+                   "checkpoint, on any number of ranks")(
+          "new-loads",
+          "of a restart: loads and the motion of walls may be others");
         all.add(tasks).add(of_runs);
       }
 
@@ -145,6 +150,10 @@ namespace emmy
         line.overwrite = true;
       else if (name == "all")
         line.all = true;
+      else if (name == "restart")
+        line.restart = value;
+      else if (name == "new-loads")
+        line.new_loads = true;
     }
 
     /** Whether what was asked for goes together. */
@@ -168,6 +177,21 @@ namespace emmy
                  ">",
                "give --list alone: it lists what there is for any file. emmy "
                "--check FILE.prm says what a file uses.");
+      if (line.new_loads && line.restart.empty())
+        refuse("--new-loads without --restart",
+               "write emmy --restart DIRECTORY --new-loads.");
+      if (!line.restart.empty())
+        {
+          if (line.is_study || line.task != Task::run)
+            refuse("--restart with " +
+                     std::string(line.is_study ? "a study" : "another task"),
+                   "write emmy --restart DIRECTORY. A study goes on with what "
+                   "it lacks when it is started again.");
+          if (line.overwrite)
+            refuse("--restart with --overwrite",
+                   "a run goes on in its folder. Leave one of them out.");
+          return;
+        }
       if (line.file.empty() &&
           (line.task == Task::run || line.task == Task::check))
         refuse("no parameter file",
@@ -232,6 +256,8 @@ namespace emmy
   emmy study FILE.prm [options]    run the study of a parameter file: a scene
                                    with many settings, compared in study.csv
                                    and on a page with pictures
+  emmy --restart DIRECTORY [options]
+                                   go on with a run from its last checkpoint
   emmy completion bash             a script by which bash completes options
 
 )" << options.tasks
@@ -248,7 +274,10 @@ In parallel: mpirun -np 2 emmy FILE.prm
 {
   local word=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]} IFS=$'\n'
   COMPREPLY=()
-  case $previous in --set | --tolerance) return ;; esac
+  case $previous in
+    --set | --tolerance) return ;;
+    --restart) COMPREPLY=($(compgen -d -- "$word")); return ;;
+  esac
   case $word in
     -*) COMPREPLY=($(compgen -W ')"
         << join(Options().names(), "\n") << R"(' -- "$word")) ;;

@@ -2,6 +2,7 @@
 
 #include <emmy/base/exceptions.h>
 #include <emmy/run/catalogue.h>
+#include <emmy/run/restart.h>
 #include <emmy/run/run.h>
 #include <emmy/run/scene_parameters.h>
 #include <emmy/study/command_line.h>
@@ -17,10 +18,12 @@ namespace emmy
 {
   namespace
   {
+    /** @param saved null: the run begins */
     template <int dim>
-    void
+    RunEnd
     perform(const CommandLine   &line,
             const ParameterFile &file,
+            const SavedRun      *saved,
             const bool           is_first)
     {
       if (line.task == CommandLine::Task::print_parameters)
@@ -35,15 +38,38 @@ namespace emmy
                          "also formulas, are separated by , or ;.\n\n";
           if (is_first)
             std::cout << text.str();
+          return RunEnd::complete;
         }
-      else
-        {
-          RunOptions options;
-          options.only_check  = line.task == CommandLine::Task::check;
-          options.with_absent = line.all;
-          options.overwrite   = line.overwrite;
-          run<dim>(file, options, MPI_COMM_WORLD);
-        }
+      RunOptions options;
+      options.only_check      = line.task == CommandLine::Task::check;
+      options.with_absent     = line.all;
+      options.overwrite       = line.overwrite;
+      options.handles_signals = true;
+      options.restart         = saved;
+      options.new_loads       = line.new_loads;
+      return run<dim>(file, options, MPI_COMM_WORLD);
+    }
+
+    /** Go on with a run from its last checkpoint. */
+    RunEnd
+    perform_restart(const CommandLine &line, const bool is_first)
+    {
+      std::string directory = line.restart;
+      while (directory.size() > 1 && directory.back() == '/')
+        directory.pop_back();
+      const SavedRun saved =
+        read_saved_run(directory, MPI_COMM_WORLD, "Restart");
+      const ParameterFile file =
+        parameters_to_go_on(saved, line.file, line.assignments);
+      const unsigned int dim = dimension_of(file);
+      AssertThrow(dim == saved.dimension,
+                  ExcRun("Restart",
+                         "the scene has " + std::to_string(dim) +
+                           " dimensions, and the run in <" + directory +
+                           "> has " + std::to_string(saved.dimension),
+                         "go on with the scene of that run."));
+      return dim == 2 ? perform<2>(line, file, &saved, is_first)
+                      : perform<3>(line, file, &saved, is_first);
     }
 
     void
@@ -113,11 +139,13 @@ namespace emmy
       return true;
     }
 
-    void
+    RunEnd
     perform(const CommandLine &line, const bool is_first)
     {
       if (tells(line, is_first))
-        return;
+        return RunEnd::complete;
+      if (!line.restart.empty())
+        return perform_restart(line, is_first);
       ParameterFile file = !line.file.empty() ? ParameterFile(line.file)
                            : line.is_study    ? reference_study()
                                               : reference_file();
@@ -126,16 +154,15 @@ namespace emmy
       if (line.is_study)
         {
           perform_study(line, file, is_first);
-          return;
+          return RunEnd::complete;
         }
       AssertThrow(!file.has_section("Study"),
                   ExcRun("Section Study",
                          "<" + line.file + "> describes a study, not a scene",
                          "run it with emmy study " + line.file + "."));
-      if (dimension_of(file) == 2)
-        perform<2>(line, file, is_first);
-      else
-        perform<3>(line, file, is_first);
+      return dimension_of(file) == 2
+               ? perform<2>(line, file, nullptr, is_first)
+               : perform<3>(line, file, nullptr, is_first);
     }
   } // namespace
 
@@ -155,9 +182,10 @@ namespace emmy
         }
       return 1;
     };
+    RunEnd end = RunEnd::complete;
     try
       {
-        perform(parse_command_line({argv + 1, argv + argc}), is_first);
+        end = perform(parse_command_line({argv + 1, argv + argc}), is_first);
       }
     catch (const ExcParameter &error)
       {
@@ -187,6 +215,6 @@ namespace emmy
                   << std::endl;
         return 1;
       }
-    return 0;
+    return end == RunEnd::interrupted ? interrupted_exit_code : 0;
   }
 } // namespace emmy

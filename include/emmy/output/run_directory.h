@@ -23,8 +23,9 @@ namespace emmy
      * @param path      absolute or relative to the current folder; all ranks
      *                  must see the same file system there
      * @param overwrite remove an old run: the ledger, particles and grid
-     *                  files, parameters, log, timing, field list and
-     *                  pictures that emmy writes, and nothing else
+     *                  files, parameters, log, timing, field list,
+     *                  pictures, checkpoints and what a failure left, and
+     *                  nothing else
      *
      * Throws ExcRun on all ranks if the folder cannot be made or written to,
      * or if it holds a run and @p overwrite is false.
@@ -32,6 +33,20 @@ namespace emmy
     RunDirectory(const std::string &path,
                  const bool         overwrite,
                  const MPI_Comm     communicator);
+
+    /**
+     * Collective: the folder of a run that goes on there; nothing is removed.
+     * Throws ExcRun on all ranks if no file can be written in it.
+     */
+    static RunDirectory
+    of_run(const std::string &path, const MPI_Comm communicator);
+
+    /**
+     * Remove the files of frames from a number on, that of the next frame. For
+     * one rank; a file that stays is written over, or no .pvd names it.
+     */
+    void
+    remove_frames_from(const unsigned int number) const;
 
     /** As given to the constructor. */
     const std::string &
@@ -42,6 +57,17 @@ namespace emmy
     file(const std::string &name) const;
 
   private:
+    enum class Old
+    {
+      refused,
+      removed,
+      kept
+    };
+
+    RunDirectory(const std::string &path,
+                 const Old          old_run,
+                 const MPI_Comm     communicator);
+
     const std::string directory;
   };
 } // namespace emmy

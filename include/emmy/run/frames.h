@@ -30,12 +30,24 @@ namespace emmy
     void
     initial();
 
+    /**
+     * Instead of initial(): go on with the state of the run. Files of frames
+     * after it are removed; so is what is written at the end only, if this
+     * is no longer the end. Collective.
+     */
+    void
+    go_on(const bool is_at_end);
+
+    /** After the last step: its state, if it is not there yet. Collective. */
+    void
+    at_end(const StepReport &last);
+
     /** After an accepted step: whatever became due. Collective. */
     void
     after(const StepReport &report);
 
     /**
-     * The last state if it is not there yet, then the pictures. Collective.
+     * What at_end() writes, then the pictures. Collective.
      *
      * @param last        the last accepted step
      * @param is_complete no step failed after it; after one that did, the
@@ -46,6 +58,11 @@ namespace emmy
     finish(const StepReport &last, const bool is_complete);
 
   private:
+    /** How many of the wanted equal parts of the run have passed. */
+    unsigned int
+    intervals_until(const double time) const;
+    void
+    write_last(const StepReport &last, const bool is_complete);
     void
     write_files(const double time, const bool with_grid);
     void
@@ -55,8 +72,9 @@ namespace emmy
     void
     take_picture(const double time);
 
-    Scene<dim>               &scene;
-    FramesState              &state;
+    Scene<dim>  &scene;
+    FramesState &state;
+    bool         has_grid = false; ///< of a step: not before the first here
     const OutputParameters   &wanted;
     const double              end_time;
     const RunDirectory       &directory;

@@ -7,6 +7,8 @@
 
 namespace emmy
 {
+  struct SavedRun;
+
   /** What the command line asks for besides a parameter file. */
   struct RunOptions
   {
@@ -14,6 +16,18 @@ namespace emmy
     bool with_absent = false; ///< and what the absent effects would cost
     bool overwrite   = false; ///< replace results of an earlier run
     bool is_quiet    = false; ///< nothing on the screen; run.log as ever
+    /** Whether signals have a checkpoint written, and end the run. */
+    bool handles_signals = false;
+    /** Borrowed: where the run goes on; null: it begins. */
+    const SavedRun *restart   = nullptr;
+    bool            new_loads = false; ///< loads may be others then
+  };
+
+  /** How a run ended that did not fail. */
+  enum class RunEnd
+  {
+    complete,
+    interrupted ///< by a signal; it can go on
   };
 
   /**
@@ -22,7 +36,7 @@ namespace emmy
    * all rows, frames and pictures up to the last accepted step are there.
    */
   template <int dim>
-  void
+  RunEnd
   run(const ParameterFile &file,
       const RunOptions    &options,
       const MPI_Comm       communicator);

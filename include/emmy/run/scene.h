@@ -75,8 +75,12 @@ namespace emmy
     std::vector<std::unique_ptr<Measurement<dim>>> measurements;
     /** On which particles effects act, in words. */
     std::vector<std::string> notes;
+    StartedFrom              started; ///< of another run, if it does
 
   private:
+    /** Particles: of the bodies, or of another run. Collective. */
+    void
+    fill_with_particles();
     std::unique_ptr<TimeIntegrator<dim>>
     make_stepper(const SceneParameters<dim> &parameters);
     /** Add the measurements of the particles as they are. Collective. */
@@ -88,9 +92,6 @@ namespace emmy
     occupancy() const;
 
     const SceneParameters<dim> &parameters;
-    /** With linear functions, until particles have entered other cells. */
-    bool          watches_crossings  = false;
-    std::uint64_t occupancy_at_start = 0;
   };
 } // namespace emmy
 

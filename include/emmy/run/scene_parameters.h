@@ -9,6 +9,8 @@
 #include <emmy/material/material.h>
 #include <emmy/output/measurement.h>
 #include <emmy/particles/body.h>
+#include <emmy/run/checkpoint_parameters.h>
+#include <emmy/run/start.h>
 #include <emmy/solve/linear_solver.h>
 #include <emmy/step/small_cuts.h>
 #include <emmy/step/step_rule.h>
@@ -137,6 +139,8 @@ namespace emmy
     NameList                                                 measurement_names;
     std::vector<std::unique_ptr<MeasurementParameters<dim>>> measurements;
     OutputParameters                                         output;
+    CheckpointParameters                                     checkpoint;
+    StartParameters                                          start;
     /** Why starved nodes are free although the file does not say so; or empty.
      */
     std::string why_free;

@@ -37,12 +37,16 @@ namespace emmy
              const ActiveGrid<dim>  &active,
              const StepSetting<dim> &setting);
 
-  /** Say why a step fails. Throws ExcRun on all ranks. Collective. */
+  /**
+   * Say why a step fails. Throws ExcRun on all ranks. Collective.
+   * @param record receives where the matrix is weakest
+   */
   template <int dim>
   void
   give_up(const FailedStep<dim>  &step,
           const StepSetting<dim> &setting,
-          const std::string      &where);
+          const std::string      &where,
+          FailureRecord          &record);
 } // namespace emmy
 
 #endif

@@ -123,6 +123,7 @@ namespace emmy
   struct CutVerdict
   {
     std::string text, remedy; ///< for an error; may be empty
+    std::string weakest;      ///< Diagnosis::text() whatever the limit
   };
 
   /**

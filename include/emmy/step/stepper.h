@@ -59,6 +59,7 @@ namespace emmy
   private:
     using Base = TimeIntegrator<dim>;
     using Base::accept;
+    using Base::failure;
     using Base::setting;
     using Base::state;
     using Base::timed;

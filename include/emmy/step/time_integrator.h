@@ -19,6 +19,22 @@ namespace emmy
     Phases                        &phases;
   };
 
+  /** A try of a step that was not accepted. */
+  struct FailedTry
+  {
+    double              time_step; ///< s
+    std::vector<double> residuals; ///< |r| of Newton's iterations, N
+    std::string         problem;   ///< in words
+  };
+
+  /** What is known of a step that could not be made; same on all ranks. */
+  struct FailureRecord
+  {
+    std::vector<FailedTry> tries;
+    /** Where its matrix is weakest, in words; empty: it was not examined. */
+    std::string weakest;
+  };
+
   /**
    * Advances a run step by step: implicit (Stepper) or explicit
    * (ExplicitStepper). What both share is here: how a step begins, and how it
@@ -66,6 +82,13 @@ namespace emmy
     /** What was found in the last step; null unless it was asked for. */
     virtual const StepDiagnosis<dim> *
     diagnosis() const = 0;
+
+    /** Of the step that advance() was last called for. */
+    const FailureRecord &
+    last_failure() const
+    {
+      return failure;
+    }
 
   protected:
     /** Call @p stage and book its time under @p phase. */
@@ -132,6 +155,7 @@ namespace emmy
 
     const StepSetting<dim> setting;
     RunState<dim>         &state;
+    FailureRecord          failure;
 
   private:
     static void

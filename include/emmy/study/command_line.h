@@ -25,7 +25,9 @@ namespace emmy
     bool                     overwrite = false, all = false;
     double                   tolerance = 0.; ///< 0: not asked for
     bool                     is_study  = false;
-    std::string              topic; ///< of help; empty: everything
+    std::string              restart; ///< results of the run to go on with
+    bool                     new_loads = false; ///< which then may be others
+    std::string              topic;             ///< of help; empty: everything
   };
 
   /**

@@ -1,0 +1,233 @@
+#!/usr/bin/env python3
+"""Kill a run with SIGKILL again and again, go on each time, and compare with the
+run that nobody killed: the ledger, to the last bit on the same number of ranks
+and to 1e-10 where it changes; particle and grid files, series and snapshots, to
+the last bit.
+
+  kills.py EMMY SOURCE_ROOT MPI_LAUNCHER [--kills 20] [--seed N]
+           [--scene NAME]... [--ranks 2] [--ranks 1,2,3]
+"""
+import argparse
+import os
+import random
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+SCENES = {
+    # elastic collision with GIMP, with the geometry of the middle, and starved nodes
+    "7.2": ("paper/7.2.prm", ["Method/Shape functions=GIMP", "Method/Geometry=middle",
+                              "Method/Starved nodes=follow", "Bodies/left/Points per direction=10",
+                              "Bodies/right/Points per direction=10", "Time/Maximum steps=80",
+                              "Output/Frames=20"]),
+    # plastic collision
+    "7.3b": ("paper/7.3b.prm", ["Time/Maximum steps=80", "Bodies/left/Points per direction=4",
+                                "Bodies/right/Points per direction=4", "Output/Frames=20"]),
+    # in three dimensions
+    "3d": ("validation/two-balls.prm", ["Time/Maximum steps=25", "Output/Frames=10"]),
+    # a wall that moves, in some seconds
+    "short": ("examples/shaken-block.prm", ["Time/Maximum steps=40", "Output/Frames=10"]),
+}
+OWN = {"run.log", "timing.json", "parameters.prm"}  # of each session
+ENVIRONMENT = dict(os.environ, OMP_NUM_THREADS="1", DEAL_II_NUM_THREADS="1",
+                   OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
+                   OMPI_MCA_mpi_yield_when_idle="1")
+
+
+def descendants(pid):
+    """All processes below one, by their parents in /proc."""
+    children = {}
+    for name in os.listdir("/proc"):
+        if name.isdigit():
+            try:
+                with open(f"/proc/{name}/stat") as file:
+                    parent = int(file.read().rsplit(")", 1)[1].split()[1])
+            except (OSError, IndexError):
+                continue
+            children.setdefault(parent, []).append(int(name))
+    found, todo = [], [pid]
+    while todo:
+        below = children.get(todo.pop(), [])
+        found += below
+        todo += below
+    return found
+
+
+def is_alive(pid):
+    try:
+        with open(f"/proc/{pid}/stat") as file:
+            return file.read().rsplit(")", 1)[1].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+class Runner:
+    def __init__(self, arguments, work):
+        self.emmy = os.path.abspath(arguments.emmy)
+        self.launcher, self.work = arguments.launcher, work
+
+    def start(self, n_ranks, words):
+        command = [self.emmy] + words
+        if n_ranks > 1:
+            command = [self.launcher, "--oversubscribe", "--bind-to", "none", "-np",
+                       str(n_ranks)] + command
+        self.out = open(os.path.join(self.work, "out"), "w")
+        return subprocess.Popen(command, cwd=self.work, env=ENVIRONMENT, stdout=self.out,
+                                stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
+
+    def said(self):
+        with open(os.path.join(self.work, "out"), errors="replace") as file:
+            return file.read()
+
+    def finish(self, n_ranks, words):
+        """Seconds that it took."""
+        begin = time.monotonic()
+        if self.start(n_ranks, words).wait(timeout=1200) != 0:
+            sys.exit(f"FAILED: emmy {' '.join(words)}\n{self.said()}")
+        return time.monotonic() - begin
+
+    def kill_after(self, n_ranks, words, seconds):
+        """Whether it was killed; else it ended by itself, well."""
+        process = self.start(n_ranks, words)
+        try:
+            if process.wait(timeout=seconds) != 0:
+                sys.exit(f"FAILED: emmy {' '.join(words)}\n{self.said()}")
+            return False
+        except subprocess.TimeoutExpired:
+            pass
+        all_of_them = descendants(process.pid) + [process.pid]
+        for pid in all_of_them:
+            try:
+                os.kill(pid, signal.SIGKILL)
+            except ProcessLookupError:
+                pass
+        process.wait()
+        while any(is_alive(pid) for pid in all_of_them):
+            time.sleep(0.01)
+        return True
+
+
+def files_in(folder):
+    result = {}
+    for path, folders, names in os.walk(folder):
+        if "checkpoints" in folders:
+            folders.remove("checkpoints")
+        for name in names:
+            full = os.path.join(path, name)
+            with open(full, "rb") as file:
+                # deal.II writes the time of day into a comment
+                result[os.path.relpath(full, folder)] = re.sub(
+                    rb"<!--.*?-->", b"", file.read(), flags=re.DOTALL)
+    return result
+
+
+def rows_of(text):
+    lines = text.decode().splitlines()
+    return lines[0].split(","), [[float(x) for x in line.split(",")] for line in lines[1:]]
+
+
+def differences(reference, other, is_exact):
+    """In words; and the largest relative one of the ledger."""
+    ours, theirs = files_in(reference), files_in(other)
+    ledger = ours["ledger.csv"], theirs["ledger.csv"]
+    if is_exact:
+        problems = [f"{name} differs" for name in sorted(set(ours) & set(theirs) - OWN)
+                    if ours[name] != theirs[name]]
+        problems += [f"{name} is in one folder only" for name in sorted(set(ours) ^ set(theirs))]
+        return problems, 0.
+    if not theirs["ledger.csv"].endswith(b"\n"):
+        return ["the ledger's last line is cut"], 0.
+    (columns, one), (columns_2, two) = rows_of(ledger[0]), rows_of(ledger[1])
+    if columns != columns_2 or [row[0] for row in one] != [row[0] for row in two]:
+        return ["other columns or steps"], 0.
+    energy = max(row[3] for row in one)
+    worst = 0.
+    for c, name in enumerate(columns):
+        if "iterations" in name:
+            continue
+        scale = max(abs(row[c]) for row in one)
+        scale = max(scale, energy if any(word in name for word in (
+            "energy", "work", "loss", "error", "momentum", "dissipation")) else 1.)
+        worst = max([worst] + [abs(a[c] - b[c]) / scale for a, b in zip(one, two)])
+    problems = [] if worst <= 1e-10 else [f"the ledger differs by {worst:.2g}"]
+    series = sorted(name for name in ours if name.endswith(".pvd"))
+    problems += [f"{name} differs" for name in series if ours[name] != theirs.get(name)]
+    return problems, worst
+
+
+def check(arguments, runner, name, ranks, generator):
+    scene, settings = SCENES[name]
+    words = [os.path.join(arguments.root, "prm", scene)]
+    for setting in settings + ["Output/Pictures=true", "Output/Directory=run"]:
+        words += ["--set", setting]
+    reference, run = (os.path.join(runner.work, folder) for folder in ("reference", "run"))
+    shutil.rmtree(reference, ignore_errors=True)
+    shutil.rmtree(run, ignore_errors=True)
+    seconds = runner.finish(ranks[0], words)
+    to_start = runner.finish(ranks[0], words + ["--overwrite", "--set", "Time/Maximum steps=1"])
+    runner.finish(ranks[0], words + ["--overwrite"])
+    os.rename(run, reference)
+
+    n_killed, n_runs, worst, cut, anew = 0, 0, 0., 0, 0
+    while n_killed < arguments.kills:
+        shutil.rmtree(run, ignore_errors=True)
+        session = 0
+        while True:
+            n_ranks = ranks[session % len(ranks)]
+            checkpoints = os.path.join(run, "checkpoints")
+            is_there = os.path.isdir(checkpoints) and any(
+                folder[-1].isdigit() for folder in os.listdir(checkpoints))
+            anew += session > 0 and not is_there
+            command = ["--restart", "run"] if is_there else words + [
+                "--overwrite", "--set", "Checkpoint/Every steps=1"]
+            if n_killed >= arguments.kills:
+                runner.finish(n_ranks, command)
+                break
+            share = max(seconds - to_start, 0.2) * 2 / (arguments.kills + 1)
+            if not runner.kill_after(n_ranks, command,
+                                     to_start * generator.uniform(0.6, 1.) + share * generator.random()):
+                break
+            n_killed += 1
+            session += 1
+            ledger = os.path.join(run, "ledger.csv")
+            if os.path.isfile(ledger):
+                with open(ledger, "rb") as file:
+                    text = file.read()
+                cut += len(text) > 0 and not text.endswith(b"\n")
+        n_runs += 1
+        is_exact = len(set(ranks)) == 1
+        problems, difference = differences(reference, run, is_exact)
+        worst = max(worst, difference)
+        if problems:
+            sys.exit(f"FAILED: {name} on {ranks} ranks after {n_killed} kills:\n  " +
+                     "\n  ".join(problems))
+    print(f"{name} on {'-'.join(map(str, ranks))} ranks: killed {n_killed} times in {n_runs} runs "
+          f"(begun anew {anew} times, half lines {cut}); "
+          + ("all files the same" if is_exact else f"ledger within {worst:.2g}"), flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("emmy")
+    parser.add_argument("root")
+    parser.add_argument("launcher")
+    parser.add_argument("--kills", type=int, default=20)
+    parser.add_argument("--seed", type=int, default=random.randrange(10**6))
+    parser.add_argument("--scene", action="append")
+    parser.add_argument("--ranks", action="append")
+    arguments = parser.parse_args()
+    arguments.root = os.path.abspath(arguments.root)
+    print(f"seed {arguments.seed}", flush=True)
+    generator = random.Random(arguments.seed)
+    for name in arguments.scene or ["7.2", "7.3b", "3d"]:
+        for ranks in arguments.ranks or ["2", "1,2,3"]:
+            with tempfile.TemporaryDirectory() as work:
+                check(arguments, Runner(arguments, work), name,
+                      [int(n) for n in ranks.split(",")], generator)
+
+
+main()
