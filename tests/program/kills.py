@@ -159,6 +159,21 @@ def differences(reference, other, is_exact):
     return problems, worst
 
 
+def steps_by_ranks(run, n_last):
+    """How many rows of the ledger come from sessions on each number of ranks."""
+    with open(os.path.join(run, "run.log")) as file:
+        log = file.read()
+    begins = [(0, int(re.search(r"^  ranks +(\d+)$", log, re.MULTILINE).group(1)))] + [
+        (int(step), int(n)) for step, n in
+        re.findall(r"^continued from step (\d+), .* s, on (\d+) ranks? ", log, re.MULTILINE)]
+    with open(os.path.join(run, "ledger.csv")) as file:
+        begins.append((len(file.readlines()) - 2, n_last))
+    result = {}
+    for (step, n), (end, _) in zip(begins, begins[1:]):
+        result[n] = result.get(n, 0) + end - step
+    return result
+
+
 def check(arguments, runner, name, ranks, generator):
     scene, settings = SCENES[name]
     words = [os.path.join(arguments.root, "prm", scene)]
@@ -168,11 +183,12 @@ def check(arguments, runner, name, ranks, generator):
     shutil.rmtree(reference, ignore_errors=True)
     shutil.rmtree(run, ignore_errors=True)
     seconds = runner.finish(ranks[0], words)
-    to_start = runner.finish(ranks[0], words + ["--overwrite", "--set", "Time/Maximum steps=1"])
+    to_start = {n: runner.finish(n, words + ["--overwrite", "--set", "Time/Maximum steps=1"])
+                for n in sorted(set(ranks))}
     runner.finish(ranks[0], words + ["--overwrite"])
     os.rename(run, reference)
 
-    n_killed, n_runs, worst, cut, anew = 0, 0, 0., 0, 0
+    n_killed, n_runs, worst, cut, anew, steps = 0, 0, 0., 0, 0, {}
     while n_killed < arguments.kills:
         shutil.rmtree(run, ignore_errors=True)
         session = 0
@@ -187,9 +203,10 @@ def check(arguments, runner, name, ranks, generator):
             if n_killed >= arguments.kills:
                 runner.finish(n_ranks, command)
                 break
-            share = max(seconds - to_start, 0.2) * 2 / (arguments.kills + 1)
+            share = max(seconds - to_start[ranks[0]], 0.2) * 2 / (arguments.kills + 1)
             if not runner.kill_after(n_ranks, command,
-                                     to_start * generator.uniform(0.6, 1.) + share * generator.random()):
+                                     to_start[n_ranks] * generator.uniform(0.6, 1.)
+                                     + share * generator.random()):
                 break
             n_killed += 1
             session += 1
@@ -199,6 +216,8 @@ def check(arguments, runner, name, ranks, generator):
                     text = file.read()
                 cut += len(text) > 0 and not text.endswith(b"\n")
         n_runs += 1
+        for n, made in steps_by_ranks(run, n_ranks).items():
+            steps[n] = steps.get(n, 0) + made
         is_exact = len(set(ranks)) == 1
         problems, difference = differences(reference, run, is_exact)
         worst = max(worst, difference)
@@ -207,7 +226,11 @@ def check(arguments, runner, name, ranks, generator):
                      "\n  ".join(problems))
     print(f"{name} on {'-'.join(map(str, ranks))} ranks: killed {n_killed} times in {n_runs} runs "
           f"(begun anew {anew} times, half lines {cut}); "
-          + ("all files the same" if is_exact else f"ledger within {worst:.2g}"), flush=True)
+          + ("all files the same" if is_exact else f"ledger within {worst:.2g}")
+          + "; steps that remain of sessions on "
+          + ", ".join(f"{n}: {steps.get(n, 0)}" for n in sorted(set(ranks))), flush=True)
+    if any(steps.get(n, 0) == 0 for n in ranks):
+        sys.exit(f"FAILED: {name}: no steps were made on some of {ranks} ranks, which tests nothing")
 
 
 def main():
