@@ -1,11 +1,10 @@
 #include <emmy/base/sealed_file.h>
 #include <emmy/base/whole_file.h>
 
-#include <boost/crc.hpp>
-
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -16,13 +15,64 @@ namespace emmy
 {
   namespace
   {
-    // ECMA-182, reflected, as xz does it
-    using Crc = boost::crc_optimal<64,
-                                   0x42F0E1EBA9EA3693u,
-                                   0xFFFFFFFFFFFFFFFFu,
-                                   0xFFFFFFFFFFFFFFFFu,
-                                   true,
-                                   true>;
+    /**
+     * CRC-64 of ECMA-182, reflected, as xz has it; eight bytes at a time with
+     * eight tables (Kounavis and Berry 2008), which is four times as fast as
+     * boost::crc_optimal, and about as fast as a disk.
+     */
+    class Crc
+    {
+    public:
+      void
+      process_bytes(const void *data, std::size_t n)
+      {
+        static const Tables tables;
+        const auto         &t    = tables.of_byte;
+        const auto         *next = static_cast<const unsigned char *>(data);
+        for (; n >= 8; n -= 8, next += 8)
+          {
+            std::uint64_t word = 0; // the first byte is the lowest
+            for (unsigned int i = 0; i < 8; ++i)
+              word |= std::uint64_t(next[i]) << (8 * i);
+            word ^= remainder;
+            remainder = 0;
+            for (unsigned int i = 0; i < 8; ++i)
+              remainder ^= t[7 - i][(word >> (8 * i)) & 255];
+          }
+        for (; n > 0; --n, ++next)
+          remainder = (remainder >> 8) ^ t[0][(remainder ^ *next) & 255];
+      }
+
+      std::uint64_t
+      checksum() const
+      {
+        return ~remainder;
+      }
+
+    private:
+      /** [i][b]: the remainder of a byte b with i bytes behind it. */
+      struct Tables
+      {
+        std::array<std::array<std::uint64_t, 256>, 8> of_byte;
+
+        Tables()
+        {
+          for (unsigned int byte = 0; byte < 256; ++byte)
+            {
+              std::uint64_t r = byte;
+              for (unsigned int bit = 0; bit < 8; ++bit)
+                r = (r >> 1) ^ ((r & 1) ? 0xC96C5795D7870F42u : 0u);
+              of_byte[0][byte] = r;
+            }
+          for (unsigned int i = 1; i < 8; ++i)
+            for (unsigned int byte = 0; byte < 256; ++byte)
+              of_byte[i][byte] = (of_byte[i - 1][byte] >> 8) ^
+                                 of_byte[0][of_byte[i - 1][byte] & 255];
+        }
+      };
+
+      std::uint64_t remainder = ~std::uint64_t(0);
+    };
 
     /** Before the content. No padding: it is written as it stands. */
     struct Head

@@ -55,16 +55,19 @@ namespace emmy
       return object;
     }
 
-    /** The sum of a column of the ledger. */
+    /** The sum of a column of the ledger over its last steps. */
     double
-    sum_of(const Ledger &ledger, const std::string &column)
+    sum_of(const Ledger      &ledger,
+           const std::string &column,
+           const unsigned int n_steps)
     {
       const auto &names = ledger.columns();
       const auto  c =
         std::find(names.begin(), names.end(), column) - names.begin();
-      double sum = 0.;
-      for (const Ledger::Row &row : ledger.rows())
-        sum += row[c];
+      const auto &rows = ledger.rows();
+      double      sum  = 0.;
+      for (std::size_t i = rows.size() - n_steps; i < rows.size(); ++i)
+        sum += rows[i][c];
       return sum;
     }
   } // namespace
@@ -159,8 +162,10 @@ namespace emmy
               {"steps", counts.steps},
               {"halvings", counts.halvings},
               {"damped_steps", counts.damped},
-              {"newton_iterations", whole(sum_of(ledger, "newton_iterations"))},
-              {"linear_iterations", whole(sum_of(ledger, "linear_iterations"))},
+              {"newton_iterations",
+               whole(sum_of(ledger, "newton_iterations", counts.steps))},
+              {"linear_iterations",
+               whole(sum_of(ledger, "linear_iterations", counts.steps))},
               {"peak_memory_bytes", whole(sum_of_memory)},
               {"peak_memory_bytes_of_a_rank", whole(largest_memory)},
               {"total_seconds", total},

@@ -401,8 +401,10 @@ namespace emmy
       std::rethrow_exception(failure);
     if (is_interrupted)
       {
-        screen << checkpoints.farewell() << '\n';
         log << checkpoints.farewell() << std::endl;
+        AssertThrow(checkpoints.is_there(),
+                    ExcRun("Interrupted", checkpoints.farewell(), file_remedy));
+        screen << checkpoints.farewell() << '\n';
         return RunEnd::interrupted;
       }
     screen << "results in " << directory.path() << '\n';

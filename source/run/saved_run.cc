@@ -286,8 +286,18 @@ namespace emmy
     Parcel<dim> parcel(scene.layout.n_components());
     parcel.values.reserve(scene.particles.n_locally_owned_particles() *
                           parcel.n_numbers());
+    auto              cell = scene.grid.triangulation().end();
+    CellKey<dim> place{};
     for (const auto &particle : scene.particles)
-      parcel.add(scene.grid.key_of(particle.get_surrounding_cell()), particle);
+      {
+        // those of a cell stand together
+        if (particle.get_surrounding_cell() != cell)
+          {
+            cell  = particle.get_surrounding_cell();
+            place = scene.grid.key_of(cell);
+          }
+        parcel.add(place, particle);
+      }
     Part<dim> part;
     part.covered               = scene.grid.covered();
     part.effects               = scene.balance.memory();

@@ -1,5 +1,6 @@
 #include <emmy/transfer/particle_parcel.h>
 
+#include <algorithm>
 #include <map>
 
 namespace emmy
@@ -11,12 +12,13 @@ namespace emmy
   {
     const dealii::Point<dim> x      = particle.get_location();
     const auto               fields = particle.get_properties();
-    for (const unsigned int coordinate : place)
-      values.push_back(coordinate);
+    values.resize(values.size() + length);
+    double *number = values.data() + values.size() - length;
+    number         = std::copy(place.begin(), place.end(), number);
     for (unsigned int d = 0; d < dim; ++d)
-      values.push_back(x[d]);
-    values.push_back(particle.get_id());
-    values.insert(values.end(), fields.begin(), fields.end());
+      *number++ = x[d];
+    *number++ = particle.get_id();
+    std::copy(fields.begin(), fields.end(), number);
   }
 
   template <int dim>

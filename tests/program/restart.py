@@ -218,6 +218,19 @@ def signals():
               f"{what}: the log says where")
 
 
+def clock():
+    print("By the clock, and not at all", flush=True)
+    for settings, expected in ((["Checkpoint/Every steps=0", "Checkpoint/Every minutes=1e-6"],
+                                ["step-00000005", "step-00000006"]),
+                               (["Checkpoint/Every steps=0", "Checkpoint/Every minutes=60"],
+                                ["step-00000006"]),
+                               (["Checkpoint/Every steps=0"], [])):
+        shutil.rmtree("run", ignore_errors=True)
+        emmy("block.prm", *sets(settings + ["Time/Maximum steps=6"]))
+        there = sorted(os.listdir("run/checkpoints")) if os.path.isdir("run/checkpoints") else []
+        check(last["status"] == 0 and there == expected, f"{settings}: {there}")
+
+
 def damage():
     print("Damage", flush=True)
     newest, older = (f"run/checkpoints/step-{n:08}" for n in (12, 10))
@@ -413,7 +426,7 @@ def main():
         os.chdir(work)
         with open("block.prm", "w", encoding="utf-8") as file:
             file.write(BLOCK)
-        for part in (signals, damage, refusals, disks, chains, failures):
+        for part in (signals, clock, damage, refusals, disks, chains, failures):
             if not only or part.__name__ in only:
                 part()
         os.chdir("/")

@@ -49,6 +49,13 @@ namespace emmy
       return signal != 0;
     }
 
+    /** Whether there is a checkpoint of this run. */
+    bool
+    is_there() const
+    {
+      return is_written;
+    }
+
     /** What the run says then, and how it goes on. */
     std::string
     farewell() const;
