@@ -49,10 +49,7 @@ namespace emmy
     make_cells();
     find_cells();
     if (dealii::Utilities::MPI::n_mpi_processes(communicator()) > 1)
-      {
-        repartition(occupied);
-        find_cells();
-      }
+      repartition(occupied);
     number_nodes();
   }
 
@@ -141,6 +138,7 @@ namespace emmy
       });
     cells.repartition();
     connection.disconnect();
+    find_cells();
   }
 
   template <int dim>

@@ -97,8 +97,9 @@ namespace emmy
         return entry.find("elocity") != std::string::npos;
       const std::vector<std::string> loads{
         "Acceleration", "Force", "Amplitude", "Amplitude table", "Sampling"};
+      // what stands deeper is of a part of an effect, as of an exact motion
       return starts_with(path, "Effects/") &&
-             !starts_with(path, "Effects/Manufactured") &&
+             std::count(path.begin(), path.end(), '/') == 2 &&
              std::count(loads.begin(), loads.end(), entry) > 0;
     }
   } // namespace

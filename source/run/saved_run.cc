@@ -286,7 +286,7 @@ namespace emmy
     Parcel<dim> parcel(scene.layout.n_components());
     parcel.values.reserve(scene.particles.n_locally_owned_particles() *
                           parcel.n_numbers());
-    auto              cell = scene.grid.triangulation().end();
+    auto         cell = scene.grid.triangulation().end();
     CellKey<dim> place{};
     for (const auto &particle : scene.particles)
       {

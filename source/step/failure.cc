@@ -62,12 +62,13 @@ namespace emmy
           const std::string      &where,
           FailureRecord          &record)
   {
+    const FailedTry  &last   = record.tries.back();
     const std::string halved = ", with the step halved " +
                                std::to_string(setting.limits.maximum_halvings) +
-                               " times to " + brief(step.time_step) + " s";
+                               " times to " + brief(last.time_step) + " s";
     throw_together(setting.grid.communicator(),
                    where,
-                   step.leaves_grid ? step.problem + halved : std::string(),
+                   step.leaves_grid ? last.problem + halved : std::string(),
                    "the last accepted state was kept. Enlarge the grid "
                    "(Grid/Lower corner, Upper corner), end the run earlier "
                    "(Time/End time), fix that side (Boundary conditions), or, "
@@ -81,7 +82,7 @@ namespace emmy
                                        /*with_jacobian=*/true)
                   ? verdict_on(undamped_jacobian(step.equation,
                                                  step.start,
-                                                 step.time_step),
+                                                 last.time_step),
                                "Jacobian",
                                step.ground,
                                *step.start.active,
@@ -95,7 +96,7 @@ namespace emmy
     throw_together(
       setting.grid.communicator(),
       where,
-      "Newton does not converge" + halved + ": " + step.problem + verdict.text,
+      "Newton does not converge" + halved + ": " + last.problem + verdict.text,
       "the last accepted state was kept. " + usual_remedy(setting) +
         verdict.remedy +
         "Use more Points per direction, a larger Solver/Maximum iterations, a "

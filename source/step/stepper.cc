@@ -78,9 +78,7 @@ namespace emmy
                                   *start,
                                   solution.equation(),
                                   solution.displacement,
-                                  solution.time_step,
-                                  solution.leaves_grid,
-                                  solution.newton.problem},
+                                  solution.leaves_grid},
                   setting,
                   where(),
                   failure);

@@ -13,9 +13,7 @@ namespace emmy
     const GridStart<dim> &start;
     StepEquation<dim>    &equation;
     const Vector         &displacement; ///< where Newton ended, m
-    double                time_step;    ///< s
     bool                  leaves_grid;  ///< a particle would
-    std::string           problem;      ///< in words
   };
 
   /** Which remedies a scene with implicit steps has, or has no use for. */
@@ -39,7 +37,7 @@ namespace emmy
 
   /**
    * Say why a step fails. Throws ExcRun on all ranks. Collective.
-   * @param record receives where the matrix is weakest
+   * @param record of all tries; receives where the matrix is weakest
    */
   template <int dim>
   void
