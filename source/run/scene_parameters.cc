@@ -381,7 +381,10 @@ namespace emmy
           measurement_library<dim>().find(type, section, "Type").make(section));
       }
     for (const auto &entry : effect_library<dim>().list())
-      effects[entry.name] = entry.make(effect_section(entry.name));
+      {
+        effects[entry.name] = entry.make(effect_section(entry.name));
+        effects[entry.name]->declare_named(file);
+      }
 
     file.parse(dealii::ParameterAcceptor::prm);
     choose_method(file);
@@ -477,7 +480,14 @@ namespace emmy
         text << "subsection " << names.back() << "\nset Type = " << type
              << "\nend\n";
       }
-    text << "set Names = " << join(names) << "\nend\n";
+    text << "set Names = " << join(names) << "\nend\nsubsection Effects\n";
+    for (const auto &entry : effect_library<3>().list())
+      if (const auto effect = entry.make(effect_section(entry.name));
+          !effect->one_of_each().empty())
+        text << "subsection " << effect->path().substr(sizeof("Effects"))
+             << '\n'
+             << effect->one_of_each() << "end\n";
+    text << "end\n";
     return ParameterFile::from_text(text.str(), "reference");
   }
 

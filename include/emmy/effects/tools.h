@@ -1,0 +1,234 @@
+#ifndef emmy_effects_tools_h
+#define emmy_effects_tools_h
+
+#include <emmy/effects/effect.h>
+#include <emmy/effects/tool_contact.h>
+#include <emmy/effects/tool_motion.h>
+
+#include <limits>
+#include <optional>
+
+namespace emmy
+{
+  /** A rigid body that moves as it is told. */
+  template <int dim>
+  struct Tool
+  {
+    static constexpr unsigned int none =
+      std::numeric_limits<unsigned int>::max();
+
+    std::string                     name;
+    std::unique_ptr<ToolShape<dim>> shape;
+    ToolMotion<dim>                 motion;
+    /** beta: of the penalty, to the P-wave modulus over the spacing. */
+    double stiffness;
+    double friction;         ///< mu
+    double spring_stiffness; ///< k_T/k
+    /** Fields of the particles: xi by corner, [dim * corner + c]; which corners
+     * are held, as bits. */
+    unsigned int springs = none, held = none;
+  };
+
+  /**
+   * Rigid tools push particles, at all 2^dim corners of their boxes: y = x_p +
+   * a, where a = F_p xi moves with the particle, so that y moves by dx_p + H_p
+   * a and no force jumps from step to step. A force f there has the nodal
+   * forces (S_A + g_A.a) f. Force, friction, and the frame of a tool that turns
+   * are those of contact() and ToolStep: the work of a tool is stored, lost or
+   * in the body, to round-off, whatever Newton has left. Where the grid is
+   * undeformed in the middle of the step, a is that of the middle, a = Z a_t,
+   * and dy = S u + L a; then the torque of f is that at the corner's place in
+   * the middle. Each corner has k = beta M s^(dim-2) / 2^(dim-1), with the
+   * P-wave modulus M of its body and the spacing s of its particles.
+   *
+   * Keeps between steps how deep corners have sunk in so far, for the log.
+   * Cost: a sweep over the particles in each evaluation, with their
+   * displacement gradients, and one distance for each tool; that of the
+   * stiffness for those that touch.
+   */
+  template <int dim>
+  class Tools : public Effect<dim>
+  {
+  public:
+    /** Numbers of the fields that the tools read. */
+    struct Fields
+    {
+      unsigned int body, deformation_gradient;
+    };
+
+    /** What the particles of a body are to a tool. */
+    struct Corners
+    {
+      dealii::Tensor<1, dim> half_length; ///< of the box at the start, m
+      double                 spacing;     ///< m
+      double                 stiffness;   ///< M s^(dim-2) / 2^(dim-1), N/m
+    };
+
+    Tools(std::vector<Tool<dim>> tools,
+          const Fields          &fields,
+          std::vector<Corners>   corners_of_body);
+
+    /** Finds the corners that a tool holds; tells of overlaps. */
+    std::string
+    mark(const BackgroundGrid<dim>               &grid,
+         dealii::Particles::ParticleHandler<dim> &particles) const override;
+
+    bool
+    is_force() const override
+    {
+      return true;
+    }
+    std::string
+    add(const StepData<dim> &step,
+        const Iterate<dim>  &iterate,
+        Vector              &force,
+        Matrix              *jacobian) const override;
+
+    std::vector<EnergyEntry>
+    energies(const StepData<dim>    &step,
+             const Vector           &displacement,
+             const PointArrays<dim> &accepted) const override;
+    std::vector<EnergyEntry>
+    energy_entries() const override;
+    /** What overlaps has been stored, and put in by its tool. */
+    std::vector<EnergyEntry>
+    energies_at_start(const PointArrays<dim> &points,
+                      const double            time) const override;
+
+    bool
+    measures() const override
+    {
+      return true;
+    }
+    /** Paths of the tools, and what acted on them in the last step. */
+    std::vector<StepMeasure>
+    measure(const PointArrays<dim>    &points,
+            const double               time,
+            const BackgroundGrid<dim> &grid) override;
+    /** Corners that sink in deeper than ever, by more than a share of s. */
+    std::string
+    finding() override;
+
+    /** Names of the columns that a tool has. */
+    static std::vector<std::string>
+    columns_of(const std::string &name, const bool is_turning);
+
+  private:
+    using Group = typename Stencils<dim>::Group;
+    /** Components of (S u, L) of a point: [(dim + 1) i + l], S u_i first. */
+    static constexpr unsigned int n_motion = dim * (dim + 1);
+    using Motion                           = std::array<double, n_motion>;
+
+    /** How a particle moves in a step. */
+    struct Particle
+    {
+      std::size_t            p; ///< among the points
+      const Corners         *corners;
+      dealii::Point<dim>     place;    ///< at t, m
+      dealii::Tensor<1, dim> way;      ///< S u, m
+      dealii::Tensor<2, dim> gradient; ///< L
+      dealii::Tensor<2, dim> F_old;
+      /** Of the arms: F_old, or that of the middle, Z F_old. */
+      dealii::Tensor<2, dim> F;
+      dealii::Tensor<2, dim> Z; ///< of the middle; else zero
+    };
+
+    /** A corner that a tool acts on. */
+    struct Touch
+    {
+      unsigned int           tool, corner;
+      dealii::Tensor<1, dim> arm;        ///< a, m
+      dealii::Tensor<1, dim> from;       ///< the tool's point, in the middle, m
+      dealii::Tensor<1, dim> force;      ///< on the particle, N
+      dealii::Tensor<2, dim> derivative; ///< by the corner's way, N/m
+      const Contact<dim>    &contact;
+    };
+
+    /** What acts on a particle: f, f (x) a, and the derivative by its motion.
+     */
+    struct PointForce
+    {
+      bool                         acts = false;
+      Motion                       value{};
+      std::array<Motion, n_motion> by_motion{};
+
+      void
+      add(const Touch &touch, const Particle &particle);
+    };
+
+    /** Work arrays of the points of a group. */
+    struct Assembly
+    {
+      std::vector<double>        nodal_force, share;
+      dealii::FullMatrix<double> matrix;
+      PlaceDerivatives<dim>      by_place;
+      std::vector<Motion>        along; ///< by node and component
+      bool                       has_matrix = false;
+    };
+
+    std::vector<ToolStep<dim>>
+    motions(const double time, const double time_step) const;
+    Particle
+    particle(const StepData<dim>       &step,
+             const Group               &group,
+             const unsigned int         q,
+             const std::vector<double> &local_displacement) const;
+    /**
+     * Call visit(touch) for what touches, also for a moment.
+     * @return what is wrong: a corner has gone through a tool
+     */
+    template <class Visit>
+    std::string
+    for_each_touch(const StepData<dim>              &step,
+                   const std::vector<ToolStep<dim>> &motions,
+                   const Particle                   &particle,
+                   const Visit                      &visit) const;
+    bool
+    is_far(const ToolStep<dim> &motion,
+           const Tool<dim>     &tool,
+           const Particle      &particle) const;
+    ContactLaw
+    law(const Tool<dim> &tool, const Corners &corners) const;
+    static dealii::Tensor<1, dim>
+    corner(const dealii::Tensor<1, dim> &half_length, const unsigned int i);
+    bool
+    is_held(const Tool<dim>   &tool,
+            const double       bits,
+            const unsigned int corner) const;
+    void
+    add_to_nodes(const StepData<dim>       &step,
+                 const Group               &group,
+                 const unsigned int         q,
+                 const std::vector<double> &local_displacement,
+                 const bool                 with_matrix,
+                 PointForce                &force,
+                 Assembly                  &work) const;
+    /** With the share of places that follow the nodes. */
+    void
+    follow_places(const StepData<dim>       &step,
+                  const Group               &group,
+                  const unsigned int         q,
+                  const std::vector<double> &local_displacement,
+                  PointForce                &force,
+                  Assembly                  &work) const;
+
+    /** What the last evaluation, the last step found on this rank. */
+    struct Found
+    {
+      std::optional<MPI_Comm>             communicator;
+      double                              deepest = 0.; ///< of s
+      std::vector<dealii::Tensor<1, dim>> force;        ///< on the tools, N
+      std::vector<dealii::Tensor<1, 3>>   moment;       ///< N m
+      std::vector<double>                 sunk_in;      ///< of s
+    };
+
+    const std::vector<Tool<dim>> tools;
+    const Fields                 fields;
+    const std::vector<Corners>   corners_of_body;
+    bool                         has_friction = false;
+    mutable Found                found;
+    double                       told_depth = 0.; ///< of s
+  };
+} // namespace emmy
+
+#endif
