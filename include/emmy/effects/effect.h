@@ -272,6 +272,13 @@ namespace emmy
       return false;
     }
 
+    /** Whether that force has kinks, see NonlinearEquation. */
+    virtual bool
+    has_kinks() const
+    {
+      return false;
+    }
+
     /**
      * Add the force, a share of the residual r = (inertia + internal force +
      * ...) - loads, to @p force and, unless null, its derivative to

@@ -78,6 +78,11 @@ namespace emmy
     {
       return true;
     }
+    bool
+    has_kinks() const override
+    {
+      return true;
+    }
     std::string
     add(const StepData<dim> &step,
         const Iterate<dim>  &iterate,
