@@ -187,10 +187,8 @@ namespace
     for (const auto &[stiffness, tolerance] :
          {std::make_pair("100", 3e-3), {"1000", 5e-4}})
       {
-        Case fed_early   = press(stiffness);
-        fed_early.method = "set Starved threshold = 0.2\n";
         const SceneParameters<2> parameters(
-          ParameterFile::from_text(fed_early.text(), "press"));
+          ParameterFile::from_text(press(stiffness).text(), "press"));
         RunningScene<2> run(parameters);
         run.advance(20);
         check_balance(run, "press, default");

@@ -446,6 +446,16 @@ namespace emmy
       return "";
     }
 
+    /**
+     * The least <Starved threshold> that the effect does well with; a scene
+     * that gives none has it. 0: any.
+     */
+    virtual double
+    least_threshold() const
+    {
+      return 0.;
+    }
+
     /** The library's card with what the scene names. */
     virtual EffectCard
     card_in_scene(const EffectCard &of_library) const

@@ -55,6 +55,17 @@ namespace emmy
     void
     add_to(Effects<dim> &effects, FieldLayout &layout) const override;
 
+    /**
+     * A tool acts on the last layer of particles. Where that fills little of
+     * its cells, nodes that only it reaches let it tear off or fold: they must
+     * follow earlier.
+     */
+    double
+    least_threshold() const override
+    {
+      return dim == 2 ? 0.2 : 0.12;
+    }
+
     /** Of any tool; that of a scene has its names. */
     static EffectCard
     card();
