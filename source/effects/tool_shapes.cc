@@ -2,6 +2,7 @@
 
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/effects/tool_motion.h>
 #include <emmy/effects/tool_shapes.h>
 
 #include <cmath>
@@ -11,26 +12,6 @@ namespace emmy
   using dealii::Tensor;
   using dealii::Patterns::Double;
   using dealii::Patterns::List;
-
-  template <int dim>
-  Tensor<1, dim>
-  direction_of(const Section             &section,
-               const std::string         &entry,
-               const std::vector<double> &components)
-  {
-    Tensor<1, dim> result;
-    for (unsigned int d = 0; d < std::min<std::size_t>(dim, components.size());
-         ++d)
-      result[d] = components[d];
-    AssertThrow(components.size() == dim && result.norm() > 0.,
-                ExcParameter(section.path(),
-                             entry,
-                             dealii::Patterns::Tools::to_string(components),
-                             "it is required: " + std::to_string(dim) +
-                               " components, not all zero, e.g. " +
-                               (dim == 2 ? "0, -1." : "0, 0, -1.")));
-    return result / result.norm();
-  }
 
   namespace
   {
@@ -508,14 +489,6 @@ namespace emmy
     return library;
   }
 
-  template Tensor<1, 2>
-  direction_of<2>(const Section &,
-                  const std::string &,
-                  const std::vector<double> &);
-  template Tensor<1, 3>
-  direction_of<3>(const Section &,
-                  const std::string &,
-                  const std::vector<double> &);
   template Library<ToolShapeParameters<2>> &
   tool_shape_library<2>();
   template Library<ToolShapeParameters<3>> &

@@ -11,9 +11,6 @@ namespace emmy
 
   namespace
   {
-    template <int dim>
-    constexpr unsigned int n_corners = 1u << dim;
-
     /** Deeper than this share of the spacing is worth a line. */
     constexpr double deep = 0.05;
     /** A corner that goes through a tool deeper than this has jumped over it.
@@ -21,19 +18,6 @@ namespace emmy
     constexpr double missed = 0.05;
     /** Nearer than this share of the spacing touches at the start. */
     constexpr double touching = 1e-6;
-
-    template <int dim>
-    Tensor<2, dim>
-    gradient_field(const PointArrays<dim> &points,
-                   const unsigned int      first,
-                   const std::size_t       p)
-    {
-      Tensor<2, dim> F;
-      for (unsigned int i = 0; i < dim; ++i)
-        for (unsigned int j = 0; j < dim; ++j)
-          F[i][j] = points.component(first + dim * i + j)[p];
-      return F;
-    }
 
     /** d x f in space. */
     template <int dim>
@@ -51,9 +35,9 @@ namespace emmy
   } // namespace
 
   template <int dim>
-  Tools<dim>::Tools(std::vector<Tool<dim>> given,
-                    const Fields          &fields,
-                    std::vector<Corners>   corners_of_body)
+  Tools<dim>::Tools(std::vector<Tool<dim>>            given,
+                    const Fields                     &fields,
+                    std::vector<ParticleCorners<dim>> corners_of_body)
     : tools(std::move(given))
     , fields(fields)
     , corners_of_body(std::move(corners_of_body))
@@ -66,19 +50,9 @@ namespace emmy
   }
 
   template <int dim>
-  Tensor<1, dim>
-  Tools<dim>::corner(const Tensor<1, dim> &half_length, const unsigned int i)
-  {
-    Tensor<1, dim> result = half_length;
-    for (unsigned int d = 0; d < dim; ++d)
-      if (!(i >> d & 1))
-        result[d] *= -1.;
-    return result;
-  }
-
-  template <int dim>
   ContactLaw
-  Tools<dim>::law(const Tool<dim> &tool, const Corners &corners) const
+  Tools<dim>::law(const Tool<dim>            &tool,
+                  const ParticleCorners<dim> &corners) const
   {
     const double k = tool.stiffness * corners.stiffness;
     return {k, tool.friction, tool.spring_stiffness * k};
@@ -96,11 +70,11 @@ namespace emmy
 
   template <int dim>
   std::vector<ToolStep<dim>>
-  Tools<dim>::motions(const double time, const double time_step) const
+  Tools<dim>::motions(const StepData<dim> &step) const
   {
     std::vector<ToolStep<dim>> result;
     for (const Tool<dim> &tool : tools)
-      result.push_back(tool.motion.over(time, time_step));
+      result.push_back(tool.motion.over(step.time, step.time_step));
     return result;
   }
 
@@ -109,93 +83,89 @@ namespace emmy
   Tools<dim>::mark(const BackgroundGrid<dim>               &grid,
                    dealii::Particles::ParticleHandler<dim> &particles) const
   {
-    using namespace dealii::Utilities::MPI;
     std::string text;
     for (const Tool<dim> &tool : tools)
-      {
-        const auto   place    = tool.motion.place(0.);
-        const auto   to_frame = transpose(tool.motion.directions(0.));
-        unsigned int n_near   = 0;
-        double       stored = 0., deepest = 0.;
-        for (auto &particle : particles)
-          {
-            const auto     properties = particle.get_properties();
-            const Corners &box  = corners_of_body[properties[fields.body]];
-            unsigned int   held = 0;
-            for (unsigned int i = 0; i < n_corners<dim>; ++i)
-              {
-                const Tensor<1, dim> from =
-                  particle.get_location() + corner(box.half_length, i) - place;
-                const double gap = tool.shape->distance(to_frame * from).value;
-                const bool   is_near = gap <= touching * box.spacing;
-                n_near += is_near;
-                held |= is_near ? 1u << i : 0u;
-                deepest = std::max(deepest, -gap / box.spacing);
-                stored += contact_energy(law(tool, box).stiffness, gap, false);
-              }
-            if (tool.held != Tool<dim>::none)
-              properties[tool.held] = held;
-          }
-        n_near  = sum(n_near, grid.communicator());
-        stored  = sum(stored, grid.communicator());
-        deepest = max(deepest, grid.communicator());
-        AssertThrow(tool.held == Tool<dim>::none || n_near > 0,
-                    ExcRun("Effects/Tools/" + tool.name,
-                           "nothing touches the tool at the start, so it can "
-                           "hold nothing",
-                           "put its <Reference point> on the surface of the "
-                           "body, or set Holds = false."));
-        text +=
-          (text.empty() ? "tool <" : "\n" + std::string(24, ' ') + "tool <") +
-          tool.name + ">: ";
-        if (tool.held != Tool<dim>::none)
-          text += "holds " + std::to_string(n_near) + " corners, ";
-        if (deepest > touching)
-          text += "overlaps bodies by up to " + brief(deepest) +
-                  " of their spacing, which stores " + brief(stored) + " J, ";
-        text += "stiffness " + brief(tool.stiffness) +
-                " M/s: a pressure of 1 % of the P-wave modulus M sinks in by " +
-                brief(0.01 / tool.stiffness) + " of the spacing s";
-      }
+      text += (text.empty() ? "" : "\n" + std::string(24, ' ')) +
+              mark(tool, grid, particles);
     return text;
   }
 
   template <int dim>
-  typename Tools<dim>::Particle
+  std::string
+  Tools<dim>::mark(const Tool<dim>                         &tool,
+                   const BackgroundGrid<dim>               &grid,
+                   dealii::Particles::ParticleHandler<dim> &particles) const
+  {
+    using namespace dealii::Utilities::MPI;
+    const bool    holds    = tool.held != Tool<dim>::none;
+    const auto    place    = tool.motion.place(0.);
+    const auto    to_frame = transpose(tool.motion.directions(0.));
+    std::uint64_t n_near   = 0;
+    double        stored = 0., deepest = 0.;
+    for (auto &particle : particles)
+      {
+        const auto                  properties = particle.get_properties();
+        const ParticleCorners<dim> &corners =
+          corners_of_body[properties[fields.body]];
+        unsigned int held = 0;
+        for (unsigned int i = 0; i < corners.n; ++i)
+          {
+            const Tensor<1, dim> from =
+              particle.get_location() + corners[i] - place;
+            const double gap = tool.shape->distance(to_frame * from).value;
+            if (gap <= touching * corners.spacing)
+              {
+                ++n_near;
+                held |= 1u << i;
+              }
+            deepest = std::max(deepest, -gap / corners.spacing);
+            stored += contact_energy(law(tool, corners).stiffness,
+                                     gap,
+                                     holds && (held >> i & 1));
+          }
+        if (holds)
+          properties[tool.held] = held;
+      }
+    n_near  = sum(n_near, grid.communicator());
+    stored  = sum(stored, grid.communicator());
+    deepest = max(deepest, grid.communicator());
+    AssertThrow(!holds || n_near > 0,
+                ExcRun("Effects/Tools/" + tool.name,
+                       "nothing touches the tool at the start, so it can "
+                       "hold nothing",
+                       "put its <Reference point> on the surface of the "
+                       "body, or set Holds = false."));
+    return "tool <" + tool.name + ">: " +
+           (holds ? "holds " + std::to_string(n_near) + " corners, " : "") +
+           (deepest > touching
+              ? "overlaps bodies by up to " + brief(deepest) +
+                  " of their spacing, which stores " + brief(stored) + " J, "
+              : "") +
+           "stiffness " + brief(tool.stiffness) +
+           " M/s: a pressure of 1 % of the P-wave modulus M sinks in by " +
+           brief(0.01 / tool.stiffness) + " of the spacing s";
+  }
+
+  template <int dim>
+  CornerMotion<dim>
   Tools<dim>::particle(const StepData<dim>       &step,
                        const Group               &group,
                        const unsigned int         q,
                        const std::vector<double> &u) const
   {
-    const unsigned int *nodes = step.start.active->nodes(group);
-    Particle            result;
-    result.p       = group.first_point + q;
-    result.corners = &corners_of_body[group.body];
-    result.place   = step.points.point(result.p);
-    for (unsigned int a = 0; a < group.n_nodes; ++a)
-      for (unsigned int c = 0; c < dim; ++c)
-        result.way[c] +=
-          step.stencils.value(group, a)[q] * u[dim * nodes[a] + c];
-    result.gradient = step.stencils.displacement_gradient(group, q, nodes, u);
-    result.F_old =
-      gradient_field(step.points, fields.deformation_gradient, result.p);
-    result.F = result.F_old;
-    if (step.stencils.at_middle)
-      {
-        Tensor<2, dim> from_start = -0.5 * result.gradient;
-        for (unsigned int d = 0; d < dim; ++d)
-          from_start[d][d] += 1.;
-        result.Z = invert(from_start);
-        result.F = result.Z * result.F_old;
-      }
-    return result;
+    return corner_motion(step,
+                         group,
+                         q,
+                         u,
+                         corners_of_body[group.body],
+                         fields.deformation_gradient);
   }
 
   template <int dim>
   bool
-  Tools<dim>::is_far(const ToolStep<dim> &motion,
-                     const Tool<dim>     &tool,
-                     const Particle      &particle) const
+  Tools<dim>::is_far(const ToolStep<dim>     &motion,
+                     const Tool<dim>         &tool,
+                     const CornerMotion<dim> &particle) const
   {
     if (tool.held != Tool<dim>::none)
       return false;
@@ -221,7 +191,7 @@ namespace emmy
   std::string
   Tools<dim>::for_each_touch(const StepData<dim>              &step,
                              const std::vector<ToolStep<dim>> &motions,
-                             const Particle                   &particle,
+                             const CornerMotion<dim>          &particle,
                              const Visit                      &visit) const
   {
     std::string problem;
@@ -231,19 +201,18 @@ namespace emmy
         const ToolStep<dim> &motion = motions[t];
         if (is_far(motion, tool, particle))
           continue;
-        const Corners   &box  = *particle.corners;
-        const ContactLaw law  = this->law(tool, box);
-        const double     held = tool.held == Tool<dim>::none
-                                  ? 0.
-                                  : step.points.component(tool.held)[particle.p];
-        for (unsigned int i = 0; i < n_corners<dim>; ++i)
+        const ParticleCorners<dim> &corners = *particle.corners;
+        const ContactLaw            law     = this->law(tool, corners);
+        const double                held    = tool.held == Tool<dim>::none
+                                                ? 0.
+                                                : step.points.component(tool.held)[particle.p];
+        for (unsigned int i = 0; i < corners.n; ++i)
           {
-            const Tensor<1, dim> xi  = corner(box.half_length, i);
-            const Tensor<1, dim> arm = particle.F * xi;
+            const Tensor<1, dim> arm = particle.F * corners[i];
             const Tensor<1, dim> from_old =
-              particle.place + particle.F_old * xi - motion.place;
+              particle.place + particle.F_old * corners[i] - motion.place;
             const Tensor<1, dim> seen =
-              particle.way + particle.gradient * arm - motion.displacement;
+              particle.way_of(arm) - motion.displacement;
             const Tensor<1, dim> from = from_old + 0.5 * seen;
             const Tensor<1, dim> way =
               (seen - motion.spin * from) * motion.to_space;
@@ -259,7 +228,8 @@ namespace emmy
                 depth_on_way(*tool.shape,
                              point.place,
                              way,
-                             0.1 * missed * box.spacing) > missed * box.spacing)
+                             0.1 * missed * corners.spacing) >
+                  missed * corners.spacing)
               problem =
                 "particle " +
                 std::to_string(step.stencils.particles[particle.p]->get_id()) +
@@ -284,145 +254,17 @@ namespace emmy
 
   template <int dim>
   void
-  Tools<dim>::PointForce::add(const Touch &touch, const Particle &particle)
+  Tools<dim>::begin_trial(const CornerMotion<dim> &particle,
+                          PointArrays<dim>        &trial) const
   {
-    acts          = true;
-    const auto &a = touch.arm;
-    // the arm of the middle turns with L: da = Z dL a/2
-    Tensor<2, dim> by_gradient =
-      touch.derivative +
-      0.5 * (touch.derivative * (particle.gradient * particle.Z));
-    for (unsigned int i = 0; i < dim; ++i)
-      for (unsigned int l = 0; l <= dim; ++l)
-        {
-          const double       weight = l == 0 ? 1. : a[l - 1];
-          const unsigned int row    = (dim + 1) * i + l;
-          value[row] += weight * touch.force[i];
-          for (unsigned int j = 0; j < dim; ++j)
-            for (unsigned int m = 0; m <= dim; ++m)
-              {
-                double &entry = by_motion[row][(dim + 1) * j + m];
-                if (m == 0)
-                  entry += weight * touch.derivative[i][j];
-                else
-                  entry += weight * by_gradient[i][j] * a[m - 1];
-                if (m > 0 && l > 0)
-                  entry +=
-                    0.5 * touch.force[i] * particle.Z[l - 1][j] * a[m - 1];
-              }
-        }
-  }
-
-  template <int dim>
-  void
-  Tools<dim>::follow_places(const StepData<dim>       &step,
-                            const Group               &group,
-                            const unsigned int         q,
-                            const std::vector<double> &u,
-                            PointForce                &force,
-                            Assembly                  &work) const
-  {
-    // dr = W dG + W,k G dq_k; dG = E (dz + z,k dq_k); dq = shift + R dz
-    constexpr unsigned int nq    = PlaceDerivatives<dim>::n;
-    const unsigned int    *nodes = step.start.active->nodes(group);
-    const auto &response = step.moving->response_of(group.first_point + q);
-    step.moving->differentiate(step, group, q, work.by_place);
-    const auto weight_by_place =
-      [&](const unsigned int k, const unsigned int l, const unsigned int a) {
-        return l == 0 ? work.by_place.value(k)[a]
-                      : work.by_place.gradient(k, l - 1)[a];
-      };
-    Motion     moved{}; // E z,k shift_k
-    const auto by_motion = force.by_motion;
-    for (unsigned int k = 0; k < nq; ++k)
-      {
-        Motion z{}, along{};
-        for (unsigned int a = 0; a < group.n_nodes; ++a)
-          for (unsigned int j = 0; j < dim; ++j)
-            for (unsigned int m = 0; m <= dim; ++m)
-              z[(dim + 1) * j + m] +=
-                weight_by_place(k, m, a) * u[dim * nodes[a] + j];
-        for (unsigned int row = 0; row < n_motion; ++row)
-          for (unsigned int column = 0; column < n_motion; ++column)
-            along[row] += by_motion[row][column] * z[column];
-        for (unsigned int row = 0; row < n_motion; ++row)
-          {
-            moved[row] += along[row] * response.shift[k];
-            for (unsigned int j = 0; j < dim; ++j)
-              for (unsigned int m = 0; m <= dim; ++m)
-                force.by_motion[row][(dim + 1) * j + m] +=
-                  along[row] * response.by_motion[k][j][m];
-          }
-        for (unsigned int a = 0; a < group.n_nodes; ++a)
-          for (unsigned int i = 0; i < dim; ++i)
-            {
-              double sum = 0.;
-              for (unsigned int l = 0; l <= dim; ++l)
-                sum +=
-                  weight_by_place(k, l, a) * force.value[(dim + 1) * i + l];
-              work.share[dim * nodes[a] + i] -= sum * response.shift[k];
-              for (unsigned int j = 0; j < dim; ++j)
-                for (unsigned int m = 0; m <= dim; ++m)
-                  work.along[dim * a + i][(dim + 1) * j + m] +=
-                    sum * response.by_motion[k][j][m];
-            }
-      }
-    for (unsigned int a = 0; a < group.n_nodes; ++a)
-      for (unsigned int i = 0; i < dim; ++i)
-        {
-          double sum = step.stencils.value(group, a)[q] * moved[(dim + 1) * i];
-          for (unsigned int d = 0; d < dim; ++d)
-            sum += step.stencils.gradient(group, a, d)[q] *
-                   moved[(dim + 1) * i + 1 + d];
-          work.share[dim * nodes[a] + i] -= sum;
-        }
-  }
-
-  template <int dim>
-  void
-  Tools<dim>::add_to_nodes(const StepData<dim>       &step,
-                           const Group               &group,
-                           const unsigned int         q,
-                           const std::vector<double> &u,
-                           const bool                 with_matrix,
-                           PointForce                &force,
-                           Assembly                  &work) const
-  {
-    const unsigned int  n     = group.n_nodes;
-    const unsigned int *nodes = step.start.active->nodes(group);
-    std::vector<std::array<double, dim + 1>> weights(n);
-    for (unsigned int a = 0; a < n; ++a)
-      {
-        weights[a][0] = step.stencils.value(group, a)[q];
-        for (unsigned int d = 0; d < dim; ++d)
-          weights[a][1 + d] = step.stencils.gradient(group, a, d)[q];
-        for (unsigned int i = 0; i < dim; ++i)
-          for (unsigned int l = 0; l <= dim; ++l)
-            work.nodal_force[dim * nodes[a] + i] -=
-              weights[a][l] * force.value[(dim + 1) * i + l];
-      }
-    if (!with_matrix)
-      return;
-    if (!work.has_matrix)
-      work.matrix.reinit(dim * n, dim * n);
-    work.has_matrix = true;
-    work.along.assign(dim * n, Motion{});
-    if (step.moving)
-      follow_places(step, group, q, u, force, work);
-    for (unsigned int a = 0; a < n; ++a)
-      for (unsigned int i = 0; i < dim; ++i)
-        {
-          Motion &along = work.along[dim * a + i];
-          for (unsigned int l = 0; l <= dim; ++l)
-            for (unsigned int column = 0; column < n_motion; ++column)
-              along[column] +=
-                weights[a][l] * force.by_motion[(dim + 1) * i + l][column];
-          for (unsigned int b = 0; b < n; ++b)
-            for (unsigned int j = 0; j < dim; ++j)
-              for (unsigned int m = 0; m <= dim; ++m)
-                work.matrix(dim * a + i, dim * b + j) -=
-                  along[(dim + 1) * j + m] * weights[b][m];
-        }
+    const Tensor<2, dim> F = particle.F_new();
+    for (unsigned int i = 0; i < dim * dim; ++i)
+      trial.component(fields.deformation_gradient + i)[particle.p] =
+        F[i / dim][i % dim];
+    for (const Tool<dim> &tool : tools)
+      if (tool.springs != Tool<dim>::none)
+        for (unsigned int i = 0; i < dim * particle.corners->n; ++i)
+          trial.component(tool.springs + i)[particle.p] = 0.;
   }
 
   template <int dim>
@@ -432,36 +274,21 @@ namespace emmy
                   Vector              &force,
                   Matrix              *jacobian) const
   {
-    const ActiveGrid<dim> &active  = *step.start.active;
-    const auto             motions = this->motions(step.time, step.time_step);
-    const std::vector<double> &u   = iterate.local_displacement;
-    Assembly                   work;
-    work.nodal_force.resize(dim * active.n_local_nodes());
-    if (jacobian && step.moving)
-      work.share.resize(work.nodal_force.size());
-    std::string problem;
-    found.communicator = active.communicator();
+    const auto                 motions = this->motions(step);
+    const std::vector<double> &u       = iterate.local_displacement;
+    CornerForces<dim>          forces(step, u, jacobian);
+    std::string                problem;
+    found.communicator = step.start.active->communicator();
     found.deepest      = 0.;
     for (const Group &group : step.stencils.groups)
       {
-        work.has_matrix = false;
         for (unsigned int q = 0; q < group.n_points; ++q)
           {
-            const Particle       particle = this->particle(step, group, q, u);
-            const Tensor<2, dim> F_new =
-              particle.F_old + particle.gradient * particle.F;
-            for (unsigned int i = 0; i < dim * dim; ++i)
-              iterate.trial.component(fields.deformation_gradient +
-                                      i)[particle.p] = F_new[i / dim][i % dim];
-            for (const Tool<dim> &tool : tools)
-              if (tool.springs != Tool<dim>::none)
-                for (unsigned int i = 0; i < dim * n_corners<dim>; ++i)
-                  iterate.trial.component(tool.springs + i)[particle.p] = 0.;
-
-            PointForce        total;
+            const auto particle = this->particle(step, group, q, u);
+            begin_trial(particle, iterate.trial);
             const std::string wrong =
               for_each_touch(step, motions, particle, [&](const Touch &touch) {
-                total.add(touch, particle);
+                forces.add(particle, touch.arm, touch.force, touch.derivative);
                 found.deepest =
                   std::max(found.deepest,
                            -touch.contact.gap_new / particle.corners->spacing);
@@ -473,15 +300,11 @@ namespace emmy
               });
             if (!wrong.empty())
               problem = wrong;
-            if (total.acts)
-              add_to_nodes(step, group, q, u, jacobian != nullptr, total, work);
+            forces.finish(group, q);
           }
-        if (jacobian && work.has_matrix)
-          active.graph().add(active.nodes(group), work.matrix, *jacobian);
+        forces.finish(group);
       }
-    active.add(work.nodal_force, force); // collective: also after a problem
-    if (jacobian && step.moving)
-      step.moving->add_to_share(work.share);
+    forces.finish(force); // collective: also after a problem
     return problem;
   }
 
@@ -507,9 +330,9 @@ namespace emmy
                        const Vector        &displacement,
                        const PointArrays<dim> &) const
   {
-    std::vector<EnergyEntry> entries    = energy_entries();
-    const unsigned int       first_work = entries.size() - tools.size();
-    const auto               motions = this->motions(step.time, step.time_step);
+    std::vector<EnergyEntry>  entries    = energy_entries();
+    const unsigned int        first_work = entries.size() - tools.size();
+    const auto                motions    = this->motions(step);
     const std::vector<double> u = step.start.active->to_local(displacement);
     for (unsigned int t = 0; t < tools.size(); ++t)
       {
@@ -520,7 +343,7 @@ namespace emmy
     for (const Group &group : step.stencils.groups)
       for (unsigned int q = 0; q < group.n_points; ++q)
         {
-          const Particle particle = this->particle(step, group, q, u);
+          const auto particle = this->particle(step, group, q, u);
           for_each_touch(step, motions, particle, [&](const Touch &touch) {
             const unsigned int   t      = touch.tool;
             const ToolStep<dim> &motion = motions[t];
@@ -556,19 +379,18 @@ namespace emmy
         double           stored   = 0.;
         for (std::size_t p = 0; p < points.n_points(); ++p)
           {
-            const Corners &box =
+            const ParticleCorners<dim> &corners =
               corners_of_body[points.component(fields.body)[p]];
-            const auto F =
-              gradient_field(points, fields.deformation_gradient, p);
-            for (unsigned int i = 0; i < n_corners<dim>; ++i)
+            const auto F = tensor_field(points, fields.deformation_gradient, p);
+            for (unsigned int i = 0; i < corners.n; ++i)
               {
                 const Tensor<1, dim> from =
-                  points.point(p) + F * corner(box.half_length, i) - place;
+                  points.point(p) + F * corners[i] - place;
                 const bool held =
                   tool.held != Tool<dim>::none &&
                   is_held(tool, points.component(tool.held)[p], i);
                 stored +=
-                  contact_energy(law(tool, box).stiffness,
+                  contact_energy(law(tool, corners).stiffness,
                                  tool.shape->distance(to_frame * from).value,
                                  held);
               }

@@ -235,6 +235,175 @@ namespace
                      what + ", Coulomb");
       }
   }
+
+  /** A bar in a tube whose end a plane moves, by 1 m of 2 m. */
+  Case
+  tube(const bool draws)
+  {
+    Case result;
+    result.upper        = draws ? "4, 1" : "2, 1";
+    result.cells        = draws ? "16, 4" : "8, 4";
+    result.upper_of_box = "2, 1";
+    result.density      = 1000.;
+    result.modulus      = 1e5;
+    result.walls        = draws ? "x-min, y-min, y-max" : "x-max, y-min, y-max";
+    result.time         = "set Step size = 0.1\nset End time = 20\n";
+    result.tools =
+      plate(draws ? "2, 0" : "0, 0",
+            draws ? "-1, 0" : "1, 0",
+            std::string("set Displacement = 0.05*t; 0\nset Stiffness = 100\n") +
+              (draws ? "set Holds = true\n" : ""));
+    return result;
+  }
+
+  void
+  check_tubes()
+  {
+    for (const bool draws : {false, true})
+      {
+        const SceneParameters<2> parameters(
+          ParameterFile::from_text(tube(draws).text(), "tube"));
+        RunningScene<2> run(parameters);
+        run.advance(200);
+        const std::string what = draws ? "drawn bar" : "pressed bar";
+        check_balance(run, what);
+        const double strain = std::log(draws ? 1.5 : 0.5);
+        check_number(run.ledger["tool_plate_work"],
+                     1e5 * strain * strain,
+                     3e-3,
+                     what + ", work of Hencky's law");
+        at_most(what + ", kinetic energy over its work",
+                run.ledger["kinetic_energy"] / run.ledger["tool_plate_work"],
+                1e-3);
+      }
+  }
+
+  /** A ball that flies against a plane; it may overlap it at the start. */
+  template <int dim>
+  Case
+  bounce(const std::string &height, const std::string &solver = "")
+  {
+    Case result;
+    result.dim   = dim;
+    result.upper = dim == 2 ? "3, 3" : "2, 2, 2";
+    result.cells = dim == 2 ? "12, 12" : "8, 8, 8";
+    result.shape = std::string("set Shape = ball\nsubsection ball\n") +
+                   "set Center = " + (dim == 2 ? "1.5, 1.2" : "1, 1.1, 1") +
+                   "\nset Radius = 0.5\nend\n";
+    result.velocity = dim == 2 ? "0.1; -0.5" : "0.1; -0.5; 0";
+    result.density  = 1000.;
+    result.modulus  = 1e6;
+    result.poisson  = 0.3;
+    result.time     = "set Step size = 0.01\nset End time = 1\n";
+    result.tools =
+      plate((dim == 2 ? "0, " : "0, ") + height + (dim == 2 ? "" : ", 0"),
+            dim == 2 ? "0, 1" : "0, 1, 0",
+            "set Friction coefficient = 0.3\n");
+    result.sections = solver;
+    return result;
+  }
+
+  template <int dim>
+  void
+  check_bounce()
+  {
+    const std::string what = std::to_string(dim) + "D, bounce";
+    {
+      const SceneParameters<dim> parameters(
+        ParameterFile::from_text(bounce<dim>("0.65").text(), "bounce"));
+      RunningScene<dim> run(parameters);
+      run.advance(dim == 2 ? 40 : 10);
+      check_balance(run, what);
+      at_most(what + ": a tool at rest works",
+              run.ledger["tool_plate_work"],
+              0.);
+      if (dim == 2)
+        check(run.ledger["linear_momentum_y"] > 0., what + ": it flies back");
+      check(run.ledger["friction_dissipation"] > 0., what + ": it rubs");
+    }
+    // what overlaps is pushed out, and its energy is booked
+    const SceneParameters<dim> parameters(
+      ParameterFile::from_text(bounce<dim>("0.72").text(), "overlap"));
+    RunningScene<dim> run(parameters);
+    const double      stored = run.ledger["contact_energy"];
+    check(stored > 0. && stored == run.ledger["tool_plate_work"],
+          what + ": overlap is stored, and work of the tool");
+    check(run.scene.notes[0].find("overlaps bodies by up to") !=
+            std::string::npos,
+          what + ": overlap is told: " + run.scene.notes[0]);
+    run.advance(3);
+    check_balance(run, what + " from an overlap");
+  }
+
+  /** The balance knows what Newton has left. */
+  void
+  check_stopped()
+  {
+    const std::string text = slope(40.).text() +
+                             "subsection Solver\nset Newton tolerance = 1e-2\n"
+                             "end\n";
+    // the entry of before counts no more
+    std::string       first = text;
+    const std::string exact = "set Newton tolerance = 1e-15\n";
+    first.erase(first.find(exact), exact.size());
+    const SceneParameters<2> parameters(
+      ParameterFile::from_text(first, "stopped"));
+    RunningScene<2> run(parameters);
+    run.most_residual_work = 1.;
+    run.advance(30);
+    check_balance(run, "stopped");
+    check(std::abs(run.ledger["residual_work"]) >
+            1e-9 * run.ledger["kinetic_energy"],
+          "Newton has left something");
+  }
+
+  /** A disc on a slope of 30 degrees that does not slide: a = 2/3 g sin. */
+  void
+  check_roll()
+  {
+    Case roll     = slope(30.);
+    roll.upper    = "4, 2";
+    roll.cells    = "16, 8";
+    roll.shape    = "set Shape = ball\nsubsection ball\nset Center = 1, 1\n"
+                    "set Radius = 0.5\nend\n";
+    roll.method   = "";
+    roll.time     = "set Step size = 0.01\nset End time = 1\n";
+    roll.sections = "subsection Gravity\nset Acceleration = 5, "
+                    "-8.66025403784439\nend\n";
+    roll.tools    = plate("0, 0.5", "0, 1", "set Friction coefficient = 1\n");
+    const SceneParameters<2> parameters(
+      ParameterFile::from_text(roll.text(), "roll"));
+    RunningScene<2> run(parameters);
+    const auto      start = middle_of(run.scene).first;
+    run.advance(80);
+    check_balance(run, "roll");
+    check_number(middle_of(run.scene).first[0] - start[0],
+                 0.5 * 10. / 3. * 0.64,
+                 0.03,
+                 "roll, rigid disc");
+    at_most("roll, lost of its energy",
+            run.ledger["friction_dissipation"] / run.ledger["kinetic_energy"],
+            0.02);
+  }
+
+  /** A thin plate that is faster than it is thick does not jump over a body. */
+  void
+  check_fast()
+  {
+    Case fast         = press("10");
+    fast.walls        = "";
+    fast.time         = "set Step size = 0.1\nset End time = 1\n";
+    fast.upper_of_box = "0.5, 0.5";
+    fast.tools        = "set Names = blade\nsubsection blade\nset Shape = box\n"
+                        "set Reference point = 0.25, 1\n"
+                        "set Displacement = 0; -12*t\nsubsection box\n"
+                        "set Size = 1, 0.1\nset Rounding = 0.05\nend\nend\n";
+    const SceneParameters<2> parameters(
+      ParameterFile::from_text(fast.text(), "fast"));
+    RunningScene<2> run(parameters);
+    run.advance(1);
+    check(run.ledger["time_step"] < 0.1, "a step over a body is halved");
+  }
 } // namespace
 
 int
@@ -247,6 +416,37 @@ main(int argc, char *argv[])
     {
       check_press();
       check_slope();
+      check_tubes();
+      check_bounce<2>();
+      check_bounce<3>();
+      check_stopped();
+      check_roll();
+      check_fast();
+    }
+  else
+    {
+      const std::vector<std::string> columns{"kinetic_energy",
+                                             "contact_energy",
+                                             "tool_plate_force_x",
+                                             "tool_plate_force_y",
+                                             "tool_plate_moment_z",
+                                             "tool_plate_sinking",
+                                             "friction_dissipation"};
+      test::compare_ranks<2>(ParameterFile::from_text(slope(40.).text(),
+                                                      "slope"),
+                             12,
+                             "slope",
+                             columns);
+      test::compare_ranks<2>(ParameterFile::from_text(bounce<2>("0.69").text(),
+                                                      "bounce"),
+                             8,
+                             "bounce",
+                             columns);
+      test::compare_ranks<2>(
+        ParameterFile::from_text(tube(true).text(), "tube"),
+        8,
+        "drawn bar",
+        {"strain_energy", "tool_plate_work", "tool_plate_force_x"});
     }
   return test::report();
 }

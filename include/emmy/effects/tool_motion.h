@@ -37,6 +37,16 @@ namespace emmy
     double                 turn;         ///< |h|
   };
 
+  /**
+   * A direction in the words of a parameter file, made a unit vector; throws
+   * ExcParameter.
+   */
+  template <int dim>
+  dealii::Tensor<1, dim>
+  direction_of(const Section             &section,
+               const std::string         &entry,
+               const std::vector<double> &components);
+
   /** The entries of a tool's section that say where it is and how it moves. */
   template <int dim>
   struct ToolMotionParameters

@@ -51,16 +51,6 @@ namespace emmy
   template <int dim>
   Library<ToolShapeParameters<dim>> &
   tool_shape_library();
-
-  /**
-   * A direction in the words of a parameter file, made a unit vector; throws
-   * ExcParameter.
-   */
-  template <int dim>
-  dealii::Tensor<1, dim>
-  direction_of(const Section             &section,
-               const std::string         &entry,
-               const std::vector<double> &components);
 } // namespace emmy
 
 #endif

@@ -1,7 +1,7 @@
 #ifndef emmy_effects_tools_h
 #define emmy_effects_tools_h
 
-#include <emmy/effects/effect.h>
+#include <emmy/effects/corner_forces.h>
 #include <emmy/effects/tool_contact.h>
 #include <emmy/effects/tool_motion.h>
 
@@ -56,17 +56,9 @@ namespace emmy
       unsigned int body, deformation_gradient;
     };
 
-    /** What the particles of a body are to a tool. */
-    struct Corners
-    {
-      dealii::Tensor<1, dim> half_length; ///< of the box at the start, m
-      double                 spacing;     ///< m
-      double                 stiffness;   ///< M s^(dim-2) / 2^(dim-1), N/m
-    };
-
-    Tools(std::vector<Tool<dim>> tools,
-          const Fields          &fields,
-          std::vector<Corners>   corners_of_body);
+    Tools(std::vector<Tool<dim>>            tools,
+          const Fields                     &fields,
+          std::vector<ParticleCorners<dim>> corners_of_body);
 
     /** Finds the corners that a tool holds; tells of overlaps. */
     std::string
@@ -120,24 +112,6 @@ namespace emmy
 
   private:
     using Group = typename Stencils<dim>::Group;
-    /** Components of (S u, L) of a point: [(dim + 1) i + l], S u_i first. */
-    static constexpr unsigned int n_motion = dim * (dim + 1);
-    using Motion                           = std::array<double, n_motion>;
-
-    /** How a particle moves in a step. */
-    struct Particle
-    {
-      std::size_t            p; ///< among the points
-      const Corners         *corners;
-      dealii::Point<dim>     place;    ///< at t, m
-      dealii::Tensor<1, dim> way;      ///< S u, m
-      dealii::Tensor<2, dim> gradient; ///< L
-      dealii::Tensor<2, dim> F_old;
-      /** Of the arms: F_old, or that of the middle, Z F_old. */
-      dealii::Tensor<2, dim> F;
-      dealii::Tensor<2, dim> Z; ///< of the middle; else zero
-    };
-
     /** A corner that a tool acts on. */
     struct Touch
     {
@@ -149,31 +123,9 @@ namespace emmy
       const Contact<dim>    &contact;
     };
 
-    /** What acts on a particle: f, f (x) a, and the derivative by its motion.
-     */
-    struct PointForce
-    {
-      bool                         acts = false;
-      Motion                       value{};
-      std::array<Motion, n_motion> by_motion{};
-
-      void
-      add(const Touch &touch, const Particle &particle);
-    };
-
-    /** Work arrays of the points of a group. */
-    struct Assembly
-    {
-      std::vector<double>        nodal_force, share;
-      dealii::FullMatrix<double> matrix;
-      PlaceDerivatives<dim>      by_place;
-      std::vector<Motion>        along; ///< by node and component
-      bool                       has_matrix = false;
-    };
-
     std::vector<ToolStep<dim>>
-    motions(const double time, const double time_step) const;
-    Particle
+    motions(const StepData<dim> &step) const;
+    CornerMotion<dim>
     particle(const StepData<dim>       &step,
              const Group               &group,
              const unsigned int         q,
@@ -186,36 +138,27 @@ namespace emmy
     std::string
     for_each_touch(const StepData<dim>              &step,
                    const std::vector<ToolStep<dim>> &motions,
-                   const Particle                   &particle,
+                   const CornerMotion<dim>          &particle,
                    const Visit                      &visit) const;
     bool
-    is_far(const ToolStep<dim> &motion,
-           const Tool<dim>     &tool,
-           const Particle      &particle) const;
+    is_far(const ToolStep<dim>     &motion,
+           const Tool<dim>         &tool,
+           const CornerMotion<dim> &particle) const;
     ContactLaw
-    law(const Tool<dim> &tool, const Corners &corners) const;
-    static dealii::Tensor<1, dim>
-    corner(const dealii::Tensor<1, dim> &half_length, const unsigned int i);
+    law(const Tool<dim> &tool, const ParticleCorners<dim> &corners) const;
     bool
     is_held(const Tool<dim>   &tool,
             const double       bits,
             const unsigned int corner) const;
+    /** Write F, and no springs, for those that touch nothing. */
     void
-    add_to_nodes(const StepData<dim>       &step,
-                 const Group               &group,
-                 const unsigned int         q,
-                 const std::vector<double> &local_displacement,
-                 const bool                 with_matrix,
-                 PointForce                &force,
-                 Assembly                  &work) const;
-    /** With the share of places that follow the nodes. */
-    void
-    follow_places(const StepData<dim>       &step,
-                  const Group               &group,
-                  const unsigned int         q,
-                  const std::vector<double> &local_displacement,
-                  PointForce                &force,
-                  Assembly                  &work) const;
+    begin_trial(const CornerMotion<dim> &particle,
+                PointArrays<dim>        &trial) const;
+    /** What a tool touches at the start of a run, in words. */
+    std::string
+    mark(const Tool<dim>                         &tool,
+         const BackgroundGrid<dim>               &grid,
+         dealii::Particles::ParticleHandler<dim> &particles) const;
 
     /** What the last evaluation, the last step found on this rank. */
     struct Found
@@ -227,12 +170,12 @@ namespace emmy
       std::vector<double>                 sunk_in;      ///< of s
     };
 
-    const std::vector<Tool<dim>> tools;
-    const Fields                 fields;
-    const std::vector<Corners>   corners_of_body;
-    bool                         has_friction = false;
-    mutable Found                found;
-    double                       told_depth = 0.; ///< of s
+    const std::vector<Tool<dim>>            tools;
+    const Fields                            fields;
+    const std::vector<ParticleCorners<dim>> corners_of_body;
+    bool                                    has_friction = false;
+    mutable Found                           found;
+    double                                  told_depth = 0.; ///< of s
   };
 } // namespace emmy
 
