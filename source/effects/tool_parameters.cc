@@ -223,7 +223,7 @@ namespace emmy
                              "of its name."));
     const typename Tools<dim>::Fields fields{
       layout["body"], layout.add(deformation_gradient<dim>())};
-    std::vector<typename Tools<dim>::Corners> corners;
+    std::vector<ParticleCorners<dim>> corners;
     for (unsigned int b = 0; b < effects.half_length_of_body.size(); ++b)
       {
         const auto &l      = effects.half_length_of_body[b];

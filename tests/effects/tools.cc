@@ -169,7 +169,7 @@ namespace
         change -= expected;
         error = change.l2_norm() / expected.l2_norm();
       }
-    at_most(what + ": derivative of the whole step", error, 2e-7);
+    at_most(what + ": derivative of the whole step", error, 1e-8);
   }
 
   template <int dim>
@@ -291,7 +291,8 @@ namespace
     refused("", {"Effects/Tools/Names", "at least one tool"});
     refused(tool(""), {"Effects/Tools/it/Shape", "Known are: plane, ball"});
     refused(tool("set Shape = plain\n"), {"did you mean <plane>?"});
-    refused(tool("set Shape = plane\n"),
+    refused(tool("set Shape = plane\nsubsection plane\nset Normal = 0, 1\n"
+                 "end\n"),
             {"it/Reference point", "2 coordinates"});
     refused(tool("set Reference point = 0, 1\nset Shape = plane\n"),
             {"it/plane/Normal", "2 components, not all zero"});

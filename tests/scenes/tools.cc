@@ -310,7 +310,8 @@ namespace
     const std::string what = std::to_string(dim) + "D, bounce";
     {
       const SceneParameters<dim> parameters(
-        ParameterFile::from_text(bounce<dim>("0.65").text(), "bounce"));
+        ParameterFile::from_text(bounce<dim>(dim == 2 ? "0.65" : "0.61").text(),
+                                 "bounce"));
       RunningScene<dim> run(parameters);
       run.advance(dim == 2 ? 40 : 10);
       check_balance(run, what);
@@ -323,7 +324,8 @@ namespace
     }
     // what overlaps is pushed out, and its energy is booked
     const SceneParameters<dim> parameters(
-      ParameterFile::from_text(bounce<dim>("0.72").text(), "overlap"));
+      ParameterFile::from_text(bounce<dim>(dim == 2 ? "0.8" : "0.65").text(),
+                               "overlap"));
     RunningScene<dim> run(parameters);
     const double      stored = run.ledger["contact_energy"];
     check(stored > 0. && stored == run.ledger["tool_plate_work"],
@@ -357,33 +359,41 @@ namespace
           "Newton has left something");
   }
 
-  /** A disc on a slope of 30 degrees that does not slide: a = 2/3 g sin. */
+  /**
+   * A disc on a slope of 30 degrees that does not slide: a = 2/3 g sin. Its
+   * edge has stairs; it is soft, so that it does not hop on them.
+   */
   void
   check_roll()
   {
-    Case roll     = slope(30.);
-    roll.upper    = "4, 2";
-    roll.cells    = "16, 8";
-    roll.shape    = "set Shape = ball\nsubsection ball\nset Center = 1, 1\n"
-                    "set Radius = 0.5\nend\n";
-    roll.method   = "";
-    roll.time     = "set Step size = 0.01\nset End time = 1\n";
+    Case roll    = slope(30.);
+    roll.modulus = 1e5;
+    roll.upper   = "4, 2";
+    roll.cells   = "16, 8";
+    roll.shape  = "set Shape = ball\nsubsection ball\nset Center = 0.75, 0.75\n"
+                  "set Radius = 0.5\nend\n";
+    roll.method = "";
+    roll.time   = "set Step size = 0.01\nset End time = 1\n";
     roll.sections = "subsection Gravity\nset Acceleration = 5, "
                     "-8.66025403784439\nend\n";
-    roll.tools    = plate("0, 0.5", "0, 1", "set Friction coefficient = 1\n");
+    roll.tools    = plate("0, 0.25", "0, 1", "set Friction coefficient = 1\n");
     const SceneParameters<2> parameters(
       ParameterFile::from_text(roll.text(), "roll"));
     RunningScene<2> run(parameters);
-    const auto      start = middle_of(run.scene).first;
-    run.advance(80);
+    run.advance(100);
     check_balance(run, "roll");
-    check_number(middle_of(run.scene).first[0] - start[0],
-                 0.5 * 10. / 3. * 0.64,
-                 0.03,
-                 "roll, rigid disc");
+    // it swings on its stairs: the mean from 0.4 s on
+    const auto time     = run.column("time"),
+               momentum = run.column("linear_momentum_x");
+    const double mass   = test::total_mass(run.scene);
+    double       ratio  = 0.;
+    for (unsigned int row = 40; row < time.size(); ++row)
+      ratio +=
+        momentum[row] / (mass * 10. / 3. * time[row]) / (time.size() - 40);
+    check_number(ratio, 1., 0.02, "roll, speed of a rigid disc");
     at_most("roll, lost of its energy",
             run.ledger["friction_dissipation"] / run.ledger["kinetic_energy"],
-            0.02);
+            0.04);
   }
 
   /** A thin plate that is faster than it is thick does not jump over a body. */
