@@ -91,11 +91,17 @@ namespace emmy
     std::vector<Field> result;
     if (friction > 0.)
       for (unsigned int corner = 0; corner < (1u << dim); ++corner)
-        result.push_back({"tool_" + name + "_spring_" + std::to_string(corner),
-                          Field::Kind::vector,
-                          "m",
-                          "stretch of what sticks a corner to the tool, in "
-                          "the tool's frame"});
+        {
+          std::string place; // lower or upper along each axis
+          for (unsigned int d = 0; d < dim; ++d)
+            place += corner >> d & 1 ? 'u' : 'l';
+          result.push_back({"tool_" + name + "_spring_" + place,
+                            Field::Kind::vector,
+                            "m",
+                            "stretch of what sticks a corner to the tool, in "
+                            "the tool's frame; l, u: a lower, an upper corner "
+                            "along x, y (and z)"});
+        }
     if (holds)
       result.push_back({"tool_" + name + "_held",
                         Field::Kind::scalar,
