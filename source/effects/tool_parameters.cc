@@ -69,9 +69,9 @@ namespace emmy
     this->add_parameter("Holds",
                         holds,
                         "Whether a plane keeps hold of what it touches at the "
-                        "start: it then draws as it presses, and touches "
-                        "nothing else. Along itself it lets everything "
-                        "slide.");
+                        "start: it then draws as it presses. What it touches "
+                        "later it only pushes. Along itself it lets "
+                        "everything slide.");
     shape = tool_shape_library<dim>()
               .find(shape_name, section, "Shape")
               .make(section + "/" + shape_name);
