@@ -447,8 +447,8 @@ namespace emmy
     }
 
     /**
-     * The least <Starved threshold> that the effect does well with; a scene
-     * that gives none has it. 0: any.
+     * Below which part of a full mass nodes must follow others for the effect
+     * to do well; used where a scene gives no such threshold. 0: any.
      */
     virtual double
     least_threshold() const
