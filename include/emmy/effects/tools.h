@@ -41,7 +41,6 @@ namespace emmy
    * the middle. Each corner has k = beta M s^(dim-2) / 2^(dim-1), with the
    * P-wave modulus M of its body and the spacing s of its particles.
    *
-   * Keeps between steps how deep corners have sunk in so far, for the log.
    * Cost: a sweep over the particles in each evaluation, with their
    * displacement gradients, and one distance for each tool; that of the
    * stiffness for those that touch.
@@ -64,6 +63,18 @@ namespace emmy
     std::string
     mark(const BackgroundGrid<dim>               &grid,
          dealii::Particles::ParticleHandler<dim> &particles) const override;
+
+    /** How deep corners have sunk in so far, as told in the log; of s. */
+    std::vector<double>
+    memory() const override
+    {
+      return {told_depth};
+    }
+    void
+    recall(const std::vector<std::vector<double>> &parts) override
+    {
+      told_depth = parts.front().front();
+    }
 
     bool
     is_force() const override
