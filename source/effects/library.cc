@@ -2,6 +2,7 @@
 #include <emmy/effects/gravity.h>
 #include <emmy/effects/manufactured_solution.h>
 #include <emmy/effects/point_load.h>
+#include <emmy/effects/tool_parameters.h>
 
 namespace emmy
 {
@@ -23,6 +24,12 @@ namespace emmy
                      return std::make_unique<PointLoadParameters<dim>>(section);
                    },
                    PointLoadParameters<dim>::card()});
+      effects.add({"tools",
+                   "rigid bodies that move as they are told, push, and rub",
+                   [](const std::string &section) {
+                     return std::make_unique<ToolsParameters<dim>>(section);
+                   },
+                   ToolsParameters<dim>::card()});
       effects.add({ghost_effect,
                    "penalties on faces at the body's boundary, for small cuts",
                    [](const std::string &section) {

@@ -69,6 +69,14 @@ namespace emmy
   }
 
   template <int dim>
+  void
+  MovingPlaces<dim>::add_to_share(const std::vector<double> &local)
+  {
+    for (std::size_t i = 0; i < share.size(); ++i)
+      share[i] += local[i];
+  }
+
+  template <int dim>
   double
   MovingPlaces<dim>::largest_defect() const
   {

@@ -138,8 +138,10 @@ namespace emmy
       "not where the wall is. What it presses would get about half of the "
       "work and pass through it, what it draws would leave the grid. Let the "
       "side move along itself (normal component 0). To press or draw a body, "
-      "give it a point load, or let a stiff, heavy second body push it; rigid "
-      "tools that move through the grid are not there yet.";
+      "name <tools> in Effects/Names: in Effects/Tools a tool with Shape = "
+      "plane, its Reference point on that side, Displacement in place of the "
+      "velocity, and in its subsection <plane> the Normal towards the body; to "
+      "draw, Holds = true.";
   } // namespace
 
   template <int dim>

@@ -77,10 +77,14 @@ namespace emmy
         add_starved_nodes();
         for (const auto &entry : effect_library<dim>().list())
           {
-            EffectCard effect = entry.card;
+            const bool is_present = contains(named, entry.name);
+            EffectCard effect =
+              is_present
+                ? parameters.effects.at(entry.name)->card_in_scene(entry.card)
+                : entry.card;
             effect.name       = entry.name;
             effect.setting    = "Effects/Names = " + entry.name;
-            effect.is_present = contains(named, entry.name);
+            effect.is_present = is_present;
             if (!effect.couples.empty() && (effect.is_present || with_absent))
               add(effect, nonzeros_of_effect(effect));
             else
@@ -276,7 +280,10 @@ namespace emmy
       {
         Effects<dim> effects;
         effects.material_of_body = scene.material_of_body;
-        FieldLayout layout       = scene.layout;
+        for (const Body<dim> &body : scene.bodies)
+          effects.half_length_of_body.push_back(
+            initial_half_length(body, scene.grid));
+        FieldLayout layout = scene.layout;
         if (follows)
           effects.terms.push_back(
             parameters.method.template make_starved_nodes<dim>(layout));

@@ -71,15 +71,16 @@ namespace emmy
                   "that has neither this entry nor those gets free.",
                   prm,
                   Selection("follow|free"));
-    add_parameter("Starved threshold",
-                  starved_threshold,
-                  "A node is starved with less than this part of the mass that "
-                  "a full body would give it. Below 2^-dim corners of a block "
-                  "of full cells are fed. 0: 0.02 with GIMP, in space 0.05; "
-                  "with linear functions 0.15, in space 0.12. Dimensionless, "
-                  "below 1.",
-                  prm,
-                  Double(0.));
+    add_parameter(
+      "Starved threshold",
+      starved_threshold,
+      "A node is starved with less than this part of the mass that "
+      "a full body would give it. Below 2^-dim corners of a block "
+      "of full cells are fed. 0: 0.02 with GIMP, in space 0.05; "
+      "with linear functions 0.15, in space 0.12; with rigid tools at "
+      "least 0.2, in space 0.12. Dimensionless, below 1.",
+      prm,
+      Double(0.));
     add_parameter("Mapping",
                   mapping,
                   "FLIP: particles take the change of the grid's velocity. "
@@ -173,7 +174,9 @@ namespace emmy
     const double usual =
       dim == 2 ? (is_linear ? 0.15 : 0.02) : (is_linear ? 0.12 : 0.05);
     return std::make_unique<StarvedNodes<dim>>(
-      Aggregation<dim>(starved_threshold > 0. ? starved_threshold : usual,
+      Aggregation<dim>(starved_threshold > 0.
+                         ? starved_threshold
+                         : std::max(usual, least_threshold),
                        layout["mass"],
                        layout["reference_volume"]));
   }
@@ -381,11 +384,17 @@ namespace emmy
           measurement_library<dim>().find(type, section, "Type").make(section));
       }
     for (const auto &entry : effect_library<dim>().list())
-      effects[entry.name] = entry.make(effect_section(entry.name));
+      {
+        effects[entry.name] = entry.make(effect_section(entry.name));
+        effects[entry.name]->declare_named(file);
+      }
 
     file.parse(dealii::ParameterAcceptor::prm);
     choose_method(file);
     dealii::ParameterAcceptor::parse_all_parameters();
+    for (const std::string &name : effect_names.names)
+      method.least_threshold =
+        std::max(method.least_threshold, effects.at(name)->least_threshold());
   }
 
   template <int dim>
@@ -477,7 +486,14 @@ namespace emmy
         text << "subsection " << names.back() << "\nset Type = " << type
              << "\nend\n";
       }
-    text << "set Names = " << join(names) << "\nend\n";
+    text << "set Names = " << join(names) << "\nend\nsubsection Effects\n";
+    for (const auto &entry : effect_library<3>().list())
+      if (const auto effect = entry.make(effect_section(entry.name));
+          !effect->one_of_each().empty())
+        text << "subsection " << effect->path().substr(sizeof("Effects"))
+             << '\n'
+             << effect->one_of_each() << "end\n";
+    text << "end\n";
     return ParameterFile::from_text(text.str(), "reference");
   }
 

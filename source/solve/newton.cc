@@ -312,6 +312,15 @@ namespace emmy
             iteration.equation.halve(iteration.solution, iteration.increment);
             has_meaning = iteration.evaluate();
           }
+        // beyond a kink an increment can do harm
+        for (unsigned int halving = 0;
+             has_meaning && iteration.equation.has_kinks() && halving < 5 &&
+             iteration.equation.residual().l2_norm() > iteration.norm;
+             ++halving)
+          {
+            iteration.equation.halve(iteration.solution, iteration.increment);
+            has_meaning = iteration.evaluate();
+          }
         if (!has_meaning)
           {
             iteration.result.problem = iteration.equation.problem();

@@ -282,6 +282,21 @@ namespace emmy
   }
 
   template <int dim>
+  void
+  Balance<dim>::set_energies_at_start(const PointArrays<dim>   &points,
+                                      const double              time,
+                                      const MPI_Comm            communicator,
+                                      std::vector<EnergyEntry> &entries) const
+  {
+    for (const auto &term : effects.terms)
+      for (const EnergyEntry &given : term->energies_at_start(points, time))
+        for (EnergyEntry &entry : entries)
+          if (entry.name == given.name)
+            entry.change =
+              dealii::Utilities::MPI::sum(given.change, communicator);
+  }
+
+  template <int dim>
   std::vector<EnergyEntry>
   Balance<dim>::energy_entries() const
   {

@@ -181,6 +181,8 @@ namespace emmy
             0.5 * (places.half_lengths[i] + places_before.half_lengths[i]);
       }
     renew(places, &solution, &increment);
+    // the increment was one of other followers if the last renewal found them
+    active->constraints().expand(solution);
   }
 
   template <int dim>
@@ -188,8 +190,10 @@ namespace emmy
   MiddleEquation<dim>::take_back(Vector &solution, Vector &increment)
   {
     solution -= increment;
-    if (moving)
-      renew(places_before, &solution, &increment);
+    if (!moving)
+      return;
+    renew(places_before, &solution, &increment);
+    active->constraints().expand(solution);
   }
 
   template <int dim>

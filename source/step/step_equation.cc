@@ -171,6 +171,16 @@ namespace emmy
   }
 
   template <int dim>
+  bool
+  StepEquation<dim>::has_kinks() const
+  {
+    const auto &terms = balance.effects.terms;
+    return std::any_of(terms.begin(), terms.end(), [](const auto &term) {
+      return term->has_kinks();
+    });
+  }
+
+  template <int dim>
   const std::string &
   StepEquation<dim>::problem() const
   {

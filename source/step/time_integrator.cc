@@ -39,6 +39,10 @@ namespace emmy
       measure(ground.points, setting.layout, active.communicator());
     state.kinetic_energy = result.totals.kinetic_energy;
     result.energies      = energy_entries();
+    setting.method.balance.set_energies_at_start(ground.points,
+                                                 state.time,
+                                                 active.communicator(),
+                                                 result.energies);
     detector.begin(overfill(ground.stencils,
                             ground.points,
                             ground.points,

@@ -150,6 +150,11 @@ namespace
       return std::string("subsection Point load\nset Force = 0.3; 0") +
              (more.empty() ? "" : "; 0") + "\nset Points nearest to = 2, 1.5" +
              more + "\nend\n";
+    if (effect == "tools")
+      return "subsection Tools\nset Names = floor\nsubsection floor\n"
+             "set Shape = plane\nset Reference point = 1, 0.9" +
+             more + "\nsubsection plane\nset Normal = 0, 1" + more +
+             "\nend\nend\nend\n";
     if (effect == "manufactured solution")
       return "subsection Manufactured solution\nset Period = 5\n"
              "subsection vibration\nset Lower corner = 1, 1" +

@@ -111,7 +111,7 @@ refused_set 'unknown model' \
   '<Materials/rubber/Model> is <Hooke>|Known are: Hencky' \
   'Materials/rubber/Model=Hooke'
 refused_set 'unknown effect' \
-  '<Effects/Names> is <gravitation>|Known are: gravity, point load, ghost stabilisation' 'Effects/Names=gravitation'
+  '<Effects/Names> is <gravitation>|Known are: gravity, point load, tools, ghost stabilisation' 'Effects/Names=gravitation'
 refused_set 'unknown side of the grid' \
   '<Boundary conditions/Fixed> is <z-min>|no such side|x-min, x-max, y-min, y-max' \
   'Boundary conditions/Fixed=x-min, z-min'
@@ -327,7 +327,7 @@ rm -rf results
 # a side acts where the grid ends, not where the wall would be
 for velocity in 0.05 -0.05 'if(t > 0.5, 0.05, 0)'; do
   refused "a roller that moves along its normal by $velocity" \
-    "<Boundary conditions/Velocity of y-min> is <$velocity>|along its normal by|cells, and passes 1 % of a cell at t = |act where the grid ends|rigid tools" \
+    "<Boundary conditions/Velocity of y-min> is <$velocity>|along its normal by|cells, and passes 1 % of a cell at t = |act where the grid ends|name <tools> in Effects/Names" \
     base.prm --set 'Boundary conditions/Roller=y-min' \
     --set "Boundary conditions/Velocity of y-min=$velocity"
 done

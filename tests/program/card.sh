@@ -114,7 +114,7 @@ check 'base: ghost faces couple all but opposite corners' \
 emmy_run --check base.prm
 check 'base: absent effects have no numbers unless asked for' has_lines 0 out '^  absent +bytes'
 check 'base: absent effects are named' \
-  says out 'absent von Mises, stress rule, explicit steps, GIMP, domain update, middle geometry, aggregation, gravity, point load, ghost stabilisation, manufactured solution, lumping, PIC, inelastic walls, unconstrained walls, moving walls, diagnosis'
+  says out 'absent von Mises, stress rule, explicit steps, GIMP, domain update, middle geometry, aggregation, gravity, point load, tools, ghost stabilisation, manufactured solution, lumping, PIC, inelastic walls, unconstrained walls, moving walls, diagnosis'
 
 # agrees NAME CARD_NAME ARGUMENTS...: with the arguments the scene has the
 # effect; its card agrees with the run, and with what the scene without it says
@@ -166,6 +166,12 @@ agrees 'manufactured' 'manufactured solution' base.prm --set 'Bodies/block/Initi
   --set 'Effects/Manufactured solution/vibration/Lower corner=1, 1' \
   --set 'Effects/Manufactured solution/vibration/Upper corner=3, 3' \
   --set 'Effects/Manufactured solution/vibration/Amplitude=0.1, 0.1'
+floor='Effects/Tools/floor'
+agrees 'tools' '' base.prm --set 'Effects/Names=tools' --set 'Effects/Tools/Names=floor, grip' \
+  --set "$floor/Shape=plane" --set "$floor/Reference point=0, 0.9" --set "$floor/plane/Normal=0, 1" \
+  --set "$floor/Friction coefficient=0.5" --set "$floor/Rotation=0.1*t" \
+  --set 'Effects/Tools/grip/Shape=plane' --set 'Effects/Tools/grip/Reference point=3, 1' \
+  --set 'Effects/Tools/grip/plane/Normal=-1, 0' --set 'Effects/Tools/grip/Holds=true'
 agrees 'ghosts' 'ghost stabilisation' base.prm --set 'Effects/Names=ghost stabilisation'
 agrees 'lumping' lumping base.prm --set 'Method/Lumping=0.5'
 agrees 'PIC' PIC base.prm --set 'Method/Mapping=PIC'

@@ -250,8 +250,8 @@ namespace emmy
       "(`prm/field/two-pieces.prm`).\n"
       "- The geometry of the middle with `Starved nodes = free` can halve "
       "many steps (`prm/field/block-on-faces.prm`).\n"
-      "- A side that moves along its normal is refused: tools do not exist "
-      "yet.\n";
+      "- A side that moves along its normal is refused: a tool presses or "
+      "draws in its place.\n";
 
     void
     Suite::write(const std::string &folder)

@@ -17,6 +17,7 @@ namespace emmy
 {
   template <int dim>
   class MovingPlaces;
+  class ParameterFile;
 
   /** All that is fixed while a step is solved. */
   template <int dim>
@@ -276,6 +277,13 @@ namespace emmy
       return false;
     }
 
+    /** Whether that force has kinks, see NonlinearEquation. */
+    virtual bool
+    has_kinks() const
+    {
+      return false;
+    }
+
     /**
      * Add the force, a share of the residual r = (inertia + internal force +
      * ...) - loads, to @p force and, unless null, its derivative to
@@ -321,6 +329,19 @@ namespace emmy
     energy_entries() const
     {
       return {};
+    }
+
+    /**
+     * The same entries before the first step: what is stored then, and as work
+     * what put it there. This rank's share.
+     * @param points states at @p time, s
+     */
+    virtual std::vector<EnergyEntry>
+    energies_at_start(const PointArrays<dim> &points, const double time) const
+    {
+      (void)points;
+      (void)time;
+      return energy_entries();
     }
 
     /** Whether measure() has numbers. */
@@ -387,6 +408,9 @@ namespace emmy
     /** Borrowed; one per body. There before the first effect is added. */
     std::vector<const Material<dim> *> material_of_body;
 
+    /** Half the boxes that particles start with, m; one per body, likewise. */
+    std::vector<dealii::Tensor<1, dim>> half_length_of_body;
+
     /** Whose the terms are, in the table of times. */
     std::vector<std::string> term_names;
 
@@ -411,6 +435,38 @@ namespace emmy
      */
     virtual void
     add_to(Effects<dim> &effects, FieldLayout &layout) const = 0;
+
+    /** Declare what belongs to names in the file; before that is parsed. */
+    virtual void
+    declare_named(const ParameterFile &)
+    {}
+
+    /**
+     * Statements for the section that name one of each thing it can hold, for
+     * the reference of all parameters; or empty.
+     */
+    virtual std::string
+    one_of_each() const
+    {
+      return "";
+    }
+
+    /**
+     * Below which part of a full mass nodes must follow others for the effect
+     * to do well; used where a scene gives no such threshold. 0: any.
+     */
+    virtual double
+    least_threshold() const
+    {
+      return 0.;
+    }
+
+    /** The library's card with what the scene names. */
+    virtual EffectCard
+    card_in_scene(const EffectCard &of_library) const
+    {
+      return of_library;
+    }
   };
 
   /** All effects that Effects/Names can list. */

@@ -54,6 +54,16 @@ namespace emmy
       const double              *volumes; ///< reference volumes, m^3
     };
 
+    static constexpr auto nq = PlaceDerivatives<dim>::n;
+
+    /** How the place of a point answers to its motion. */
+    struct Response
+    {
+      dealii::Tensor<1, nq> shift; ///< (I - Q_q)^-1 (Q - q), m
+      /** dq_k/d(Su)_j, and behind it dq_k/dL_jd: [k][j]. */
+      std::array<std::array<dealii::Tensor<1, dim + 1>, dim>, nq> by_motion;
+    };
+
     /** @param places in the order of the particle handler; borrowed */
     MovingPlaces(const PlaceRules<dim> &rules, const Places<dim> &places);
 
@@ -71,6 +81,32 @@ namespace emmy
     /** r_q (I - Q_q)^-1 (Q - q) at the local nodes, [dim * node + c], N. */
     const std::vector<double> &
     residual_share() const;
+
+    /**
+     * For other forces on few points, after add() for all: how the place of a
+     * point answers, and how its weights change with it; and their part of
+     * residual_share(), [dim * node + c], N.
+     */
+    const Response &
+    response_of(const std::size_t p) const
+    {
+      return responses[p];
+    }
+    void
+    differentiate(const StepData<dim>                 &step,
+                  const typename Stencils<dim>::Group &group,
+                  const unsigned int                   q,
+                  PlaceDerivatives<dim>               &result) const
+    {
+      rules.shape_functions.differentiate(
+        places,
+        step.stencils.order[group.first_point + q],
+        group,
+        rules.grid,
+        result);
+    }
+    void
+    add_to_share(const std::vector<double> &local);
 
     /** For largest_defect() after an evaluation without a derivative. */
     void
@@ -90,9 +126,8 @@ namespace emmy
           const std::vector<double> &increment) const;
 
   private:
-    using Group              = typename Stencils<dim>::Group;
-    using Vector             = dealii::Tensor<1, dim>;
-    static constexpr auto nq = PlaceDerivatives<dim>::n;
+    using Group  = typename Stencils<dim>::Group;
+    using Vector = dealii::Tensor<1, dim>;
     /** Numbers by node of a group. */
     using Row = std::array<double, dealii::Utilities::pow(4, dim)>;
 
@@ -102,14 +137,6 @@ namespace emmy
       Vector                                 Su;
       std::array<Vector, nq>                 Su_by_q;
       std::array<dealii::Tensor<2, dim>, nq> L_by_q;
-    };
-
-    /** How the place of a point answers to its motion. */
-    struct Response
-    {
-      dealii::Tensor<1, nq> shift; ///< (I - Q_q)^-1 (Q - q), m
-      /** dq_k/d(Su)_j, and behind it dq_k/dL_jd: [k][j]. */
-      std::array<std::array<dealii::Tensor<1, dim + 1>, dim>, nq> by_motion;
     };
 
     /** Work arrays: of a group u, of a point the others. */

@@ -57,6 +57,8 @@ namespace emmy
     std::string wall_mapping       = "constrained";
     std::string geometry           = "middle";
     double      geometry_tolerance = 1e-8; // cells
+    /** What effects want at least where <Starved threshold> is not given. */
+    double least_threshold = 0.;
 
     /** @param shape_function_names the values of <Shape functions> */
     explicit MethodParameters(

@@ -63,6 +63,16 @@ namespace emmy
     size(const Vector &increment) const = 0;
 
     /**
+     * Whether forces have kinks in the solution, as where something touches:
+     * an increment is then worth no more than it lowers the residual.
+     */
+    virtual bool
+    has_kinks() const
+    {
+      return false;
+    }
+
+    /**
      * Take an increment: add it to the solution and let follow what depends on
      * it. The equation may number its unknowns anew; then both vectors are.
      * Collective.

@@ -137,6 +137,13 @@ namespace emmy
     std::vector<double>
     point_forces(const StepData<dim> &step) const;
 
+    /** Give entries what they are before the first step. Collective. */
+    void
+    set_energies_at_start(const PointArrays<dim>   &points,
+                          const double              time,
+                          const MPI_Comm            communicator,
+                          std::vector<EnergyEntry> &entries) const;
+
     /** Entries of the ledger that terms and loads bring, all zero. */
     std::vector<EnergyEntry>
     energy_entries() const;

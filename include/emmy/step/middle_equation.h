@@ -58,6 +58,11 @@ namespace emmy
     work_scale() const override;
     double
     size(const Vector &increment) const override;
+    bool
+    has_kinks() const override
+    {
+      return step_equation->has_kinks();
+    }
     void
     take(Vector &solution, Vector &increment) override;
     void

@@ -34,6 +34,8 @@ namespace emmy
      */
     double
     size(const Vector &increment) const override;
+    bool
+    has_kinks() const override;
     const std::string &
     problem() const override;
 

@@ -1,0 +1,81 @@
+#ifndef emmy_effects_tool_parameters_h
+#define emmy_effects_tool_parameters_h
+
+#include <emmy/effects/tools.h>
+
+namespace emmy
+{
+  /** Section of a tool, e.g. `Effects/Tools/plate`. */
+  template <int dim>
+  class ToolParameters : public Section
+  {
+  public:
+    /** @param shape name of a shape of tools, read beforehand. */
+    ToolParameters(const std::string &section,
+                   const std::string &name,
+                   const std::string &shape);
+
+    /** Check and build; throws ExcParameter. Asks for the fields it needs. */
+    Tool<dim>
+    make(FieldLayout &layout) const;
+
+    /** The fields that it asks for: where corners stick, what is held. */
+    std::vector<Field>
+    fields() const;
+
+    bool
+    is_smooth() const
+    {
+      return friction == 0.;
+    }
+    bool
+    is_turning() const;
+
+    const std::string name;
+
+  private:
+    std::string               shape_name;
+    ToolMotionParameters<dim> motion;
+    double stiffness = 10., friction = 0., spring_stiffness = 0.1;
+    bool   holds = false;
+    std::unique_ptr<ToolShapeParameters<dim>> shape;
+  };
+
+  /** Section `Effects/Tools`. */
+  template <int dim>
+  class ToolsParameters : public EffectParameters<dim>
+  {
+  public:
+    explicit ToolsParameters(const std::string &section);
+
+    void
+    declare_named(const ParameterFile &file) override;
+    std::string
+    one_of_each() const override;
+    void
+    add_to(Effects<dim> &effects, FieldLayout &layout) const override;
+
+    /**
+     * A tool acts on the last layer of particles. Where that fills little of
+     * its cells, nodes that only it reaches let it tear off or fold: they must
+     * follow earlier.
+     */
+    double
+    least_threshold() const override
+    {
+      return dim == 2 ? 0.2 : 0.12;
+    }
+
+    /** Of any tool; that of a scene has its names. */
+    static EffectCard
+    card();
+    EffectCard
+    card_in_scene(const EffectCard &of_library) const override;
+
+  private:
+    std::vector<std::string>                          names;
+    std::vector<std::unique_ptr<ToolParameters<dim>>> tools;
+  };
+} // namespace emmy
+
+#endif

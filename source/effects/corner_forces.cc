@@ -1,0 +1,232 @@
+#include <emmy/effects/corner_forces.h>
+#include <emmy/effects/moving_places.h>
+
+namespace emmy
+{
+  using dealii::Tensor;
+
+  template <int dim>
+  Tensor<2, dim>
+  tensor_field(const PointArrays<dim> &points,
+               const unsigned int      first,
+               const std::size_t       p)
+  {
+    Tensor<2, dim> result;
+    for (unsigned int i = 0; i < dim; ++i)
+      for (unsigned int j = 0; j < dim; ++j)
+        result[i][j] = points.component(first + dim * i + j)[p];
+    return result;
+  }
+
+  template <int dim>
+  CornerMotion<dim>
+  corner_motion(const StepData<dim>                 &step,
+                const typename Stencils<dim>::Group &group,
+                const unsigned int                   q,
+                const std::vector<double>           &u,
+                const ParticleCorners<dim>          &corners,
+                const unsigned int                   deformation_gradient)
+  {
+    const unsigned int *nodes = step.start.active->nodes(group);
+    CornerMotion<dim>   result;
+    result.p       = group.first_point + q;
+    result.corners = &corners;
+    result.place   = step.points.point(result.p);
+    for (unsigned int a = 0; a < group.n_nodes; ++a)
+      for (unsigned int c = 0; c < dim; ++c)
+        result.way[c] +=
+          step.stencils.value(group, a)[q] * u[dim * nodes[a] + c];
+    result.gradient = step.stencils.displacement_gradient(group, q, nodes, u);
+    result.F_old    = tensor_field(step.points, deformation_gradient, result.p);
+    result.F        = result.F_old;
+    if (step.stencils.at_middle)
+      {
+        Tensor<2, dim> from_start = -0.5 * result.gradient;
+        for (unsigned int d = 0; d < dim; ++d)
+          from_start[d][d] += 1.;
+        result.Z = invert(from_start);
+        result.F = result.Z * result.F_old;
+      }
+    return result;
+  }
+
+  template <int dim>
+  CornerForces<dim>::CornerForces(const StepData<dim>       &step,
+                                  const std::vector<double> &displacement,
+                                  Matrix                    *jacobian)
+    : step(step)
+    , displacement(displacement)
+    , jacobian(jacobian)
+    , nodal_force(dim * step.start.active->n_local_nodes())
+    , share(jacobian && step.moving ? nodal_force.size() : 0)
+  {}
+
+  template <int dim>
+  void
+  CornerForces<dim>::add(const CornerMotion<dim> &particle,
+                         const Tensor<1, dim>    &a,
+                         const Tensor<1, dim>    &force,
+                         const Tensor<2, dim>    &derivative)
+  {
+    acts                   = true;
+    const Tensor<2, dim> Z = particle.Z;
+    const Tensor<2, dim> by_gradient =
+      derivative + 0.5 * (derivative * (particle.gradient * Z));
+    for (unsigned int i = 0; i < dim; ++i)
+      for (unsigned int l = 0; l <= dim; ++l)
+        {
+          const double       weight = l == 0 ? 1. : a[l - 1];
+          const unsigned int row    = (dim + 1) * i + l;
+          value[row] += weight * force[i];
+          for (unsigned int j = 0; j < dim; ++j)
+            {
+              double *entry = &by_motion[row][(dim + 1) * j];
+              entry[0] += weight * derivative[i][j];
+              for (unsigned int m = 0; m < dim; ++m)
+                {
+                  entry[1 + m] += weight * by_gradient[i][j] * a[m];
+                  if (l > 0) // the arm turns
+                    entry[1 + m] += 0.5 * force[i] * Z[l - 1][j] * a[m];
+                }
+            }
+        }
+  }
+
+  template <int dim>
+  void
+  CornerForces<dim>::follow_places(const Group &group, const unsigned int q)
+  {
+    const unsigned int *nodes = step.start.active->nodes(group);
+    const auto &response      = step.moving->response_of(group.first_point + q);
+    step.moving->differentiate(step, group, q, by_place);
+    const auto by_q =
+      [this](const unsigned int k, const unsigned int l, const unsigned int a) {
+        return l == 0 ? by_place.value(k)[a] : by_place.gradient(k, l - 1)[a];
+      };
+    const auto where_they_stay = by_motion;
+    Motion     moved{}; // E z,k shift_k
+    for (unsigned int k = 0; k < PlaceDerivatives<dim>::n; ++k)
+      {
+        Motion z{}; // z,k
+        for (unsigned int a = 0; a < group.n_nodes; ++a)
+          for (unsigned int j = 0; j < dim; ++j)
+            for (unsigned int m = 0; m <= dim; ++m)
+              z[(dim + 1) * j + m] +=
+                by_q(k, m, a) * displacement[dim * nodes[a] + j];
+        for (unsigned int row = 0; row < n_motion; ++row)
+          {
+            double sum = 0.; // E z,k
+            for (unsigned int column = 0; column < n_motion; ++column)
+              sum += where_they_stay[row][column] * z[column];
+            moved[row] += sum * response.shift[k];
+            for (unsigned int j = 0; j < dim; ++j)
+              for (unsigned int m = 0; m <= dim; ++m)
+                by_motion[row][(dim + 1) * j + m] +=
+                  sum * response.by_motion[k][j][m];
+          }
+        for (unsigned int a = 0; a < group.n_nodes; ++a)
+          for (unsigned int i = 0; i < dim; ++i)
+            {
+              double sum = 0.; // W,k G
+              for (unsigned int l = 0; l <= dim; ++l)
+                sum += by_q(k, l, a) * value[(dim + 1) * i + l];
+              share[dim * nodes[a] + i] -= sum * response.shift[k];
+              for (unsigned int j = 0; j < dim; ++j)
+                for (unsigned int m = 0; m <= dim; ++m)
+                  along[dim * a + i][(dim + 1) * j + m] +=
+                    sum * response.by_motion[k][j][m];
+            }
+      }
+    for (unsigned int a = 0; a < group.n_nodes; ++a)
+      for (unsigned int i = 0; i < dim; ++i)
+        {
+          double sum = step.stencils.value(group, a)[q] * moved[(dim + 1) * i];
+          for (unsigned int d = 0; d < dim; ++d)
+            sum += step.stencils.gradient(group, a, d)[q] *
+                   moved[(dim + 1) * i + 1 + d];
+          share[dim * nodes[a] + i] -= sum;
+        }
+  }
+
+  template <int dim>
+  void
+  CornerForces<dim>::finish(const Group &group, const unsigned int q)
+  {
+    if (!acts)
+      return;
+    const unsigned int  n     = group.n_nodes;
+    const unsigned int *nodes = step.start.active->nodes(group);
+    std::vector<std::array<double, dim + 1>> weights(n);
+    for (unsigned int a = 0; a < n; ++a)
+      {
+        weights[a][0] = step.stencils.value(group, a)[q];
+        for (unsigned int d = 0; d < dim; ++d)
+          weights[a][1 + d] = step.stencils.gradient(group, a, d)[q];
+        for (unsigned int i = 0; i < dim; ++i)
+          for (unsigned int l = 0; l <= dim; ++l)
+            nodal_force[dim * nodes[a] + i] -=
+              weights[a][l] * value[(dim + 1) * i + l];
+      }
+    if (jacobian)
+      {
+        if (!has_matrix)
+          matrix.reinit(dim * n, dim * n);
+        has_matrix = true;
+        along.assign(dim * n, Motion{});
+        if (step.moving)
+          follow_places(group, q);
+        for (unsigned int a = 0; a < n; ++a)
+          for (unsigned int i = 0; i < dim; ++i)
+            {
+              Motion &row = along[dim * a + i];
+              for (unsigned int l = 0; l <= dim; ++l)
+                for (unsigned int column = 0; column < n_motion; ++column)
+                  row[column] +=
+                    weights[a][l] * by_motion[(dim + 1) * i + l][column];
+              for (unsigned int b = 0; b < n; ++b)
+                for (unsigned int j = 0; j < dim; ++j)
+                  for (unsigned int m = 0; m <= dim; ++m)
+                    matrix(dim * a + i, dim * b + j) -=
+                      row[(dim + 1) * j + m] * weights[b][m];
+            }
+      }
+    acts      = false;
+    value     = {};
+    by_motion = {};
+  }
+
+  template <int dim>
+  void
+  CornerForces<dim>::finish(const Group &group)
+  {
+    if (has_matrix)
+      step.start.active->graph().add(step.start.active->nodes(group),
+                                     matrix,
+                                     *jacobian);
+    has_matrix = false;
+  }
+
+  template <int dim>
+  void
+  CornerForces<dim>::finish(Vector &force)
+  {
+    step.start.active->add(nodal_force, force);
+    if (jacobian && step.moving)
+      step.moving->add_to_share(share);
+  }
+
+#define INSTANTIATE(dim)                                                      \
+  template class CornerForces<dim>;                                           \
+  template Tensor<2, dim>    tensor_field<dim>(const PointArrays<dim> &,      \
+                                            const unsigned int,            \
+                                            const std::size_t);            \
+  template CornerMotion<dim> corner_motion<dim>(const StepData<dim> &,        \
+                                                const Stencils<dim>::Group &, \
+                                                const unsigned int,           \
+                                                const std::vector<double> &,  \
+                                                const ParticleCorners<dim> &, \
+                                                const unsigned int);
+  INSTANTIATE(2)
+  INSTANTIATE(3)
+#undef INSTANTIATE
+} // namespace emmy

@@ -1,0 +1,293 @@
+#include <emmy/base/exceptions.h>
+#include <emmy/base/parameter_file.h>
+#include <emmy/base/text.h>
+#include <emmy/effects/tool_parameters.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace emmy
+{
+  using dealii::Patterns::Double;
+
+  namespace
+  {
+    /** F of the particles, as domain updates ask for it. */
+    template <int dim>
+    Field
+    deformation_gradient()
+    {
+      std::vector<double> unit(dim * dim, 0.);
+      for (unsigned int d = 0; d < dim; ++d)
+        unit[dim * d + d] = 1.;
+      return {"deformation_gradient",
+              Field::Kind::tensor,
+              "1",
+              "deformation gradient F since the start of the run",
+              unit};
+    }
+  } // namespace
+
+  template <int dim>
+  ToolParameters<dim>::ToolParameters(const std::string &section,
+                                      const std::string &name,
+                                      const std::string &shape_name)
+    : Section(section)
+    , name(name)
+    , shape_name(shape_name)
+  {
+    this->add_parameter("Shape",
+                        this->shape_name,
+                        "What the tool looks like: " +
+                          join(tool_shape_library<dim>().names()) +
+                          (dim == 2 ? "" : " (cylinder in 3D only)") +
+                          ". Its measures stand in a subsection of that name. "
+                          "Required.");
+    motion.declare(*this);
+    this->add_parameter("Stiffness",
+                        stiffness,
+                        "Of the penalty, in P-wave moduli M of the body over "
+                        "the spacing of its particles: a pressure sigma sinks "
+                        "in by sigma/(Stiffness M) of the spacing. 10 is "
+                        "good for what bounces, rolls or slides, 100 for "
+                        "plates that press. Dimensionless, positive.",
+                        this->prm,
+                        Double());
+    this->add_parameter("Friction coefficient",
+                        friction,
+                        "mu of Coulomb's law. 0: smooth. Dimensionless, not "
+                        "negative.",
+                        this->prm,
+                        Double());
+    this->add_parameter("Friction stiffness",
+                        spring_stiffness,
+                        "Of the springs that what sticks is held by, in "
+                        "penalties. Near 1 Newton finds no end between stick "
+                        "and slip. Dimensionless, positive.",
+                        this->prm,
+                        Double());
+    this->add_parameter("Holds",
+                        holds,
+                        "Whether a plane keeps hold of what it touches at the "
+                        "start: it then draws as it presses. What it touches "
+                        "later it only pushes. Along itself it lets "
+                        "everything slide.");
+    shape = tool_shape_library<dim>()
+              .find(shape_name, section, "Shape")
+              .make(section + "/" + shape_name);
+  }
+
+  template <int dim>
+  bool
+  ToolParameters<dim>::is_turning() const
+  {
+    return dealii::Utilities::trim(motion.rotation) != "0";
+  }
+
+  template <int dim>
+  std::vector<Field>
+  ToolParameters<dim>::fields() const
+  {
+    std::vector<Field> result;
+    if (friction > 0.)
+      for (unsigned int corner = 0; corner < (1u << dim); ++corner)
+        {
+          std::string place; // lower or upper along each axis
+          for (unsigned int d = 0; d < dim; ++d)
+            place += corner >> d & 1 ? 'u' : 'l';
+          result.push_back({"tool_" + name + "_spring_" + place,
+                            Field::Kind::vector,
+                            "m",
+                            "stretch of what sticks a corner to the tool, in "
+                            "the tool's frame; l, u: a lower, an upper corner "
+                            "along x, y (and z)"});
+        }
+    if (holds)
+      result.push_back({"tool_" + name + "_held",
+                        Field::Kind::scalar,
+                        "1",
+                        "corners that the tool holds, as bits"});
+    return result;
+  }
+
+  template <int dim>
+  Tool<dim>
+  ToolParameters<dim>::make(FieldLayout &layout) const
+  {
+    const auto require = [this](const bool         fact,
+                                const std::string &entry,
+                                const std::string &value,
+                                const std::string &what) {
+      AssertThrow(fact, ExcParameter(path(), entry, value, what));
+    };
+    require(stiffness > 0.,
+            "Stiffness",
+            shortest(stiffness),
+            "must be positive; 10 is good, 100 for plates.");
+    require(friction >= 0.,
+            "Friction coefficient",
+            shortest(friction),
+            "must not be negative. 0: smooth.");
+    require(spring_stiffness > 0.,
+            "Friction stiffness",
+            shortest(spring_stiffness),
+            "must be positive; 0.1 is good.");
+    require(!holds || shape_name == "plane",
+            "Holds",
+            "true",
+            "only a plane can hold. Set Shape = plane, or Holds = false.");
+    require(!holds || friction == 0.,
+            "Friction coefficient",
+            shortest(friction),
+            "what a tool holds slides along it without friction. Remove it, "
+            "or set Holds = false.");
+    unsigned int first = Tool<dim>::none;
+    for (const Field &field : fields())
+      first = std::min(first, layout.add(field));
+    return {name,
+            shape->make(),
+            ToolMotion<dim>(motion, *this),
+            stiffness,
+            friction,
+            spring_stiffness,
+            friction > 0. ? first : Tool<dim>::none,
+            holds ? first : Tool<dim>::none};
+  }
+
+  template <int dim>
+  ToolsParameters<dim>::ToolsParameters(const std::string &section)
+    : EffectParameters<dim>(section)
+  {
+    this->add_parameter("Names",
+                        names,
+                        "Names of the tools: letters, digits and _. Each has "
+                        "a section of its name with an entry <Shape>: " +
+                          join(tool_shape_library<dim>().names()) +
+                          ". Its columns in the ledger are tool_NAME_work and "
+                          "so on.");
+  }
+
+  template <int dim>
+  void
+  ToolsParameters<dim>::declare_named(const ParameterFile &file)
+  {
+    const auto listed = dealii::Utilities::split_string_list(
+      file.value(this->path() + "/Names", ""));
+    for (const std::string &name : listed)
+      {
+        const std::string section = this->path() + "/" + name;
+        AssertThrow(std::count(listed.begin(), listed.end(), name) == 1 &&
+                      std::all_of(name.begin(),
+                                  name.end(),
+                                  [](const char c) {
+                                    return std::isalnum(
+                                             static_cast<unsigned char>(c)) ||
+                                           c == '_';
+                                  }),
+                    ExcParameter(this->path(),
+                                 "Names",
+                                 join(listed),
+                                 "names must differ and consist of letters, "
+                                 "digits and _."));
+        const std::string shape = file.value(section + "/Shape", "");
+        AssertThrow(!shape.empty(),
+                    ExcParameter(section,
+                                 "Shape",
+                                 "",
+                                 "it is required. Known are: " +
+                                   join(tool_shape_library<dim>().names()) +
+                                   "."));
+        tools.push_back(
+          std::make_unique<ToolParameters<dim>>(section, name, shape));
+      }
+  }
+
+  template <int dim>
+  std::string
+  ToolsParameters<dim>::one_of_each() const
+  {
+    std::string              sections;
+    std::vector<std::string> listed;
+    for (const std::string &shape : tool_shape_library<dim>().names())
+      {
+        listed.push_back("the_" + shape);
+        sections +=
+          "subsection " + listed.back() + "\nset Shape = " + shape + "\nend\n";
+      }
+    return "set Names = " + join(listed) + "\n" + sections;
+  }
+
+  template <int dim>
+  void
+  ToolsParameters<dim>::add_to(Effects<dim> &effects, FieldLayout &layout) const
+  {
+    AssertThrow(!tools.empty(),
+                ExcParameter(this->path(),
+                             "Names",
+                             "",
+                             "at least one tool is required, with a section "
+                             "of its name."));
+    const typename Tools<dim>::Fields fields{
+      layout["body"], layout.add(deformation_gradient<dim>())};
+    std::vector<ParticleCorners<dim>> corners;
+    for (unsigned int b = 0; b < effects.half_length_of_body.size(); ++b)
+      {
+        const auto &l      = effects.half_length_of_body[b];
+        double      volume = 1.;
+        for (unsigned int d = 0; d < dim; ++d)
+          volume *= 2. * l[d];
+        const double s = std::pow(volume, 1. / dim);
+        corners.push_back({l,
+                           s,
+                           effects.material_of_body[b]->p_wave_modulus() *
+                             (dim == 3 ? s : 1.) / (1u << (dim - 1))});
+      }
+    std::vector<Tool<dim>> made;
+    for (const auto &tool : tools)
+      made.push_back(tool->make(layout));
+    effects.terms.push_back(
+      std::make_unique<Tools<dim>>(std::move(made), fields, corners));
+  }
+
+  template <int dim>
+  EffectCard
+  ToolsParameters<dim>::card()
+  {
+    EffectCard card;
+    card.enters         = "Newton: forces on corners of particles that touch "
+                          "a tool";
+    card.fields         = {deformation_gradient<dim>()};
+    card.ledger_columns = {"contact_energy", "tool_NAME_work"};
+    for (const std::string &column : Tools<dim>::columns_of("NAME", false))
+      card.ledger_columns.push_back(column);
+    return card;
+  }
+
+  template <int dim>
+  EffectCard
+  ToolsParameters<dim>::card_in_scene(const EffectCard &of_library) const
+  {
+    EffectCard card     = of_library;
+    card.ledger_columns = {"contact_energy"};
+    if (!std::all_of(tools.begin(), tools.end(), [](const auto &tool) {
+          return tool->is_smooth();
+        }))
+      card.ledger_columns.insert(card.ledger_columns.end(),
+                                 {"friction_energy", "friction_dissipation"});
+    for (const auto &tool : tools)
+      {
+        card.ledger_columns.push_back("tool_" + tool->name + "_work");
+        for (const std::string &column :
+             Tools<dim>::columns_of(tool->name, tool->is_turning()))
+          card.ledger_columns.push_back(column);
+        for (const Field &field : tool->fields())
+          card.fields.push_back(field);
+      }
+    return card;
+  }
+
+  template class ToolParameters<2>;
+  template class ToolParameters<3>;
+  template class ToolsParameters<2>;
+  template class ToolsParameters<3>;
+} // namespace emmy
