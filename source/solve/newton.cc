@@ -138,9 +138,8 @@ namespace emmy
       right_side *= -1.;
       LinearResult solve = newton.linear_solver.prepare(equation.jacobian());
       if (solve.is_solved)
-        solve = newton.linear_solver.solve(increment,
-                                           right_side,
-                                           newton.linear_tolerance);
+        solve =
+          newton.linear_solver.solve(increment, right_side, linear_tolerance());
       result.linear_iterations += solve.iterations;
       newton.phases.add_iterations("linear solve", solve.iterations);
       if (solve.is_solved)
@@ -148,6 +147,28 @@ namespace emmy
       else
         result.problem = "linear solver: " + solve.problem;
       return solve.is_solved;
+    }
+
+    /**
+     * How well the next increment is to be found: as well as Newton is
+     * expected to fall, which is with the square of how it fell before (an
+     * inexact Newton method, Eisenstat and Walker 1996, choice 2), and no
+     * better than round-off lets it. It starts tight: an iteration of Newton
+     * more costs more than what a loose solve saves.
+     */
+    double
+    linear_tolerance() const
+    {
+      constexpr double safety = 0.1, tightest = 1e-10, round_off = 1e-14;
+
+      const auto &history = result.residual_history;
+      if (history.size() < 2)
+        return newton.linear_tolerance;
+      const double falls = norm / history[history.size() - 2];
+      return std::min(newton.linear_tolerance,
+                      std::max({safety * falls * falls,
+                                tightest,
+                                round_off * equation.scale() / norm}));
     }
 
     /**

@@ -31,7 +31,7 @@ namespace emmy
   public:
     std::string  linear_solver      = "automatic";
     std::string  preconditioner     = "ILU";
-    double       linear_tolerance   = 1e-8;
+    double       linear_tolerance   = 1e-4;
     double       newton_tolerance   = 1e-11;
     unsigned int maximum_iterations = 100;
 

@@ -1,0 +1,34 @@
+#ifndef emmy_solve_preconditioner_h
+#define emmy_solve_preconditioner_h
+
+#include <emmy/base/linear_algebra.h>
+
+#include <memory>
+#include <string>
+
+namespace emmy
+{
+  /** An approximate inverse of a matrix, for Krylov methods. */
+  class Preconditioner
+  {
+  public:
+    virtual ~Preconditioner() = default;
+
+    /** Make it for a matrix, which must stay alive. Collective. */
+    virtual void
+    make(const Matrix &matrix) = 0;
+
+    /** z = P r. Collective. */
+    virtual void
+    vmult(Vector &z, const Vector &r) const = 0;
+  };
+
+  /**
+   * @param name         a value of Solver/Preconditioner
+   * @param n_components unknowns per node
+   */
+  std::unique_ptr<Preconditioner>
+  make_preconditioner(const std::string &name, const unsigned int n_components);
+} // namespace emmy
+
+#endif
