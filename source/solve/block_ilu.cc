@@ -199,12 +199,11 @@ namespace emmy
   }
 
   template <int n>
-  void
-  BlockIlu<n>::vmult(Vector &z, const Vector &r) const
+  double
+  BlockIlu<n>::substitute(const Vector &r) const
   {
     const unsigned int n_nodes = diagonal.size();
     const double      *in      = r.begin();
-    double            *out     = z.begin();
     // single precision has no room for very large and very small numbers
     double largest = 0.;
     for (unsigned int i = 0; i < n * n_nodes; ++i)
@@ -237,8 +236,27 @@ namespace emmy
             work[n * i + m] = sum;
           }
       }
-    for (unsigned int i = 0; i < n * n_nodes; ++i)
+    return size;
+  }
+
+  template <int n>
+  void
+  BlockIlu<n>::vmult(Vector &z, const Vector &r) const
+  {
+    const double size = substitute(r);
+    double      *out  = z.begin();
+    for (unsigned int i = 0; i < work.size(); ++i)
       out[i] = work[i] * scale[i] * size;
+  }
+
+  template <int n>
+  void
+  BlockIlu<n>::vmult_add(Vector &z, const Vector &r) const
+  {
+    const double size = substitute(r);
+    double      *out  = z.begin();
+    for (unsigned int i = 0; i < work.size(); ++i)
+      out[i] += work[i] * scale[i] * size;
   }
 
   template class BlockIlu<1>;

@@ -119,7 +119,7 @@ namespace emmy
     {
     public:
       LinearResult
-      prepare(const Matrix &matrix) override
+      prepare(const Matrix &matrix, const NodePlaces * = nullptr) override
       {
         is_scaled = false;
         return factorise(matrix);
@@ -221,13 +221,14 @@ namespace emmy
       {}
 
       LinearResult
-      prepare(const Matrix &new_matrix) override
+      prepare(const Matrix     &new_matrix,
+              const NodePlaces *places = nullptr) override
       {
         LinearResult result;
         matrix = &new_matrix;
         try
           {
-            preconditioner->make(*matrix);
+            preconditioner->make(*matrix, places);
           }
         catch (const std::exception &)
           {
@@ -341,7 +342,8 @@ namespace emmy
       {}
 
       LinearResult
-      prepare(const Matrix &new_matrix) override
+      prepare(const Matrix     &new_matrix,
+              const NodePlaces *places = nullptr) override
       {
         matrix     = &new_matrix;
         first_norm = 0.;
@@ -351,7 +353,7 @@ namespace emmy
             --state.n_direct_left;
             return direct.prepare(*matrix);
           }
-        const LinearResult result = krylov.prepare(*matrix);
+        const LinearResult result = krylov.prepare(*matrix, places);
         return result.is_solved ? result : fall_back(result);
       }
 

@@ -136,7 +136,8 @@ namespace emmy
       // moved, not copied into: unknowns may be numbered anew
       right_side = Vector(equation.reduced_residual());
       right_side *= -1.;
-      LinearResult solve = newton.linear_solver.prepare(equation.jacobian());
+      LinearResult solve = newton.linear_solver.prepare(equation.jacobian(),
+                                                        equation.node_places());
       if (solve.is_solved)
         solve =
           newton.linear_solver.solve(increment, right_side, linear_tolerance());
@@ -322,7 +323,8 @@ namespace emmy
           return;
         while (mu < 0.1 &&
                iteration.equation.size(iteration.increment) > largest_size)
-          if (!iteration.find_increment(mu *= 100.))
+          if (!iteration.find_increment(mu =
+                                          std::max(100. * mu, first_damping)))
             return;
 
         bool has_meaning =

@@ -2,6 +2,8 @@
 
 #include <emmy/base/exceptions.h>
 #include <emmy/solve/block_ilu.h>
+#include <emmy/solve/coarse_boxes.h>
+#include <emmy/solve/preconditioner.h>
 
 namespace emmy
 {
@@ -27,7 +29,7 @@ namespace emmy
     {
     public:
       void
-      make(const Matrix &matrix) override
+      make(const Matrix &matrix, const NodePlaces *) override
       {
         auto jacobi = std::make_unique<TW::PreconditionJacobi>();
         jacobi->initialize(matrix);
@@ -43,7 +45,7 @@ namespace emmy
       {}
 
       void
-      make(const Matrix &matrix) override
+      make(const Matrix &matrix, const NodePlaces *) override
       {
         TW::PreconditionAMG::AdditionalData data;
         data.elliptic = false; // the tangent is not symmetric
@@ -61,6 +63,38 @@ namespace emmy
     private:
       const unsigned int n_components;
     };
+
+    /** ILU(0) in blocks, after a coarse level where places are known. */
+    template <int n>
+    class Ilu : public Preconditioner
+    {
+    public:
+      void
+      make(const Matrix &matrix, const NodePlaces *places) override
+      {
+        ilu.make(matrix);
+        is_coarse = places != nullptr;
+        if (is_coarse)
+          boxes.make(matrix, *places);
+        rest.reinit(matrix.locally_owned_range_indices(),
+                    matrix.get_mpi_communicator());
+      }
+
+      void
+      vmult(Vector &z, const Vector &r) const override
+      {
+        if (!is_coarse)
+          return ilu.vmult(z, r);
+        boxes.correct(r, z, rest);
+        ilu.vmult_add(z, rest);
+      }
+
+    private:
+      BlockIlu<n>    ilu;
+      CoarseBoxes<n> boxes;
+      bool           is_coarse = false;
+      mutable Vector rest;
+    };
   } // namespace
 
   std::unique_ptr<Preconditioner>
@@ -71,14 +105,8 @@ namespace emmy
     if (name == "ML")
       return std::make_unique<Multigrid>(n_components);
     AssertThrow(name == "ILU", dealii::ExcMessage("no preconditioner " + name));
-    switch (n_components)
-      {
-        case 1:
-          return std::make_unique<BlockIlu<1>>();
-        case 2:
-          return std::make_unique<BlockIlu<2>>();
-        default:
-          return std::make_unique<BlockIlu<3>>();
-      }
+    if (n_components == 2)
+      return std::make_unique<Ilu<2>>();
+    return std::make_unique<Ilu<3>>();
   }
 } // namespace emmy

@@ -294,6 +294,13 @@ namespace emmy
   }
 
   template <int dim>
+  const NodePlaces *
+  MiddleEquation<dim>::node_places() const
+  {
+    return step_equation->node_places();
+  }
+
+  template <int dim>
   Matrix &
   MiddleEquation<dim>::jacobian()
   {

@@ -126,6 +126,13 @@ namespace emmy
   }
 
   template <int dim>
+  const NodePlaces *
+  StepEquation<dim>::node_places() const
+  {
+    return &step.start.active->places();
+  }
+
+  template <int dim>
   void
   StepEquation<dim>::expand(Vector &increment) const
   {

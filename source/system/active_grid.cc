@@ -256,6 +256,13 @@ namespace emmy
       std::make_shared<dealii::Utilities::MPI::Partitioner>(owned_dofs,
                                                             ghost_dofs,
                                                             communicator());
+
+    node_places.coordinates = zero;
+    node_places.cell_size   = grid.smallest_cell_size();
+    auto coordinate         = node_places.coordinates.begin();
+    for (unsigned int node = 0; node < n_owned_nodes(); ++node)
+      for (unsigned int c = 0; c < dim; ++c)
+        *coordinate++ = node_positions[node][c];
   }
 
   template <int dim>

@@ -1,7 +1,7 @@
 #ifndef emmy_solve_block_ilu_h
 #define emmy_solve_block_ilu_h
 
-#include <emmy/solve/preconditioner.h>
+#include <emmy/base/linear_algebra.h>
 
 #include <array>
 #include <vector>
@@ -22,14 +22,18 @@ namespace emmy
    * @tparam n unknowns per node
    */
   template <int n>
-  class BlockIlu : public Preconditioner
+  class BlockIlu
   {
   public:
     void
-    make(const Matrix &matrix) override;
+    make(const Matrix &matrix);
 
     void
-    vmult(Vector &z, const Vector &r) const override;
+    vmult(Vector &z, const Vector &r) const;
+
+    /** z += P r. */
+    void
+    vmult_add(Vector &z, const Vector &r) const;
 
   private:
     /** Column by column. */
@@ -40,6 +44,9 @@ namespace emmy
     copy(const Matrix &matrix);
     void
     factorise();
+    /** P r to work, in units of the scaled matrix and of the result. */
+    double
+    substitute(const Vector &r) const;
 
     /** Blocks of node i: [first[i], first[i + 1]), by their columns. */
     std::vector<unsigned int> first, diagonal, columns;

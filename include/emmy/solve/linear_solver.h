@@ -4,6 +4,7 @@
 #include <emmy/base/linear_algebra.h>
 #include <emmy/base/section.h>
 #include <emmy/system/constraints.h>
+#include <emmy/system/node_places.h>
 
 #include <memory>
 #include <string>
@@ -67,9 +68,12 @@ namespace emmy
   public:
     virtual ~LinearSolver() = default;
 
-    /** Factorise, or make the preconditioner. The matrix must stay alive. */
+    /**
+     * Factorise, or make the preconditioner. The matrix must stay alive.
+     * @param places of the rows, for a coarse level; null: there is none
+     */
     virtual LinearResult
-    prepare(const Matrix &matrix) = 0;
+    prepare(const Matrix &matrix, const NodePlaces *places = nullptr) = 0;
 
     /**
      * The same for a symmetric mass matrix with rows of very different size,

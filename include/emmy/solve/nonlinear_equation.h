@@ -1,7 +1,7 @@
 #ifndef emmy_solve_nonlinear_equation_h
 #define emmy_solve_nonlinear_equation_h
 
-#include <emmy/base/linear_algebra.h>
+#include <emmy/system/node_places.h>
 
 #include <string>
 
@@ -42,6 +42,13 @@ namespace emmy
     /** The derivative of r; Newton may add to it before it solves. */
     virtual Matrix &
     jacobian() = 0;
+
+    /** Where the nodes of the unknowns are now; null: that is not known. */
+    virtual const NodePlaces *
+    node_places() const
+    {
+      return nullptr;
+    }
 
     /** Give followers in an increment the values of their roots. Collective. */
     virtual void

@@ -1,7 +1,7 @@
 #ifndef emmy_solve_preconditioner_h
 #define emmy_solve_preconditioner_h
 
-#include <emmy/base/linear_algebra.h>
+#include <emmy/system/node_places.h>
 
 #include <memory>
 #include <string>
@@ -14,9 +14,12 @@ namespace emmy
   public:
     virtual ~Preconditioner() = default;
 
-    /** Make it for a matrix, which must stay alive. Collective. */
+    /**
+     * Make it for a matrix, which must stay alive. Collective.
+     * @param places of the rows, for a coarse level; null: there is none
+     */
     virtual void
-    make(const Matrix &matrix) = 0;
+    make(const Matrix &matrix, const NodePlaces *places) = 0;
 
     /** z = P r. Collective. */
     virtual void

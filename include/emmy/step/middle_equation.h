@@ -50,6 +50,8 @@ namespace emmy
     reduced_residual() const override;
     Matrix &
     jacobian() override;
+    const NodePlaces *
+    node_places() const override;
     void
     expand(Vector &increment) const override;
     double

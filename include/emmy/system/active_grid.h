@@ -11,6 +11,7 @@
 #include <emmy/system/constraints.h>
 #include <emmy/system/couplings.h>
 #include <emmy/system/node_graph.h>
+#include <emmy/system/node_places.h>
 
 #include <vector>
 
@@ -141,6 +142,13 @@ namespace emmy
     Vector
     to_vector(const std::vector<double> &local) const;
 
+    /** For the coarse level of linear solvers. */
+    const NodePlaces &
+    places() const
+    {
+      return node_places;
+    }
+
     MPI_Comm
     communicator() const;
 
@@ -220,7 +228,8 @@ namespace emmy
     Constraints      conditions;
     NodeGraph<dim>   node_graph;
     /** What make_vector() copies. */
-    Vector zero;
+    Vector     zero;
+    NodePlaces node_places;
   };
 } // namespace emmy
 

@@ -1,0 +1,66 @@
+#ifndef emmy_solve_coarse_boxes_h
+#define emmy_solve_coarse_boxes_h
+
+#include <deal.II/lac/lapack_full_matrix.h>
+
+#include <emmy/system/node_places.h>
+
+#include <array>
+#include <vector>
+
+namespace emmy
+{
+  /**
+   * A coarse level for a preconditioner: the nodes of all ranks are grouped by
+   * boxes in space, and each box has the rigid motions as its modes P, zero
+   * where a row of the matrix couples nothing (fixed unknowns, followers). With
+   * A_c = P^T A P a residual r gets the correction P A_c^-1 P^T r (two-level
+   * deflation, Nabben and Vuik 2006; box-wise rigid modes as in smoothed
+   * aggregation, Vanek et al. 1996, without the smoothing). It brings long
+   * waves, which a step of many cells' length of travel couples, to an end that
+   * ILU sees only node by node.
+   *
+   * Boxes have an edge of at least six cells, and there are so few of them that
+   * A_c has at most 600 rows. Cost: some four products with A to make it, half
+   * a product to apply it.
+   *
+   * @tparam dim unknowns per node
+   */
+  template <int dim>
+  class CoarseBoxes
+  {
+  public:
+    /** Collective. */
+    void
+    make(const Matrix &matrix, const NodePlaces &places);
+
+    /**
+     * y = P A_c^-1 P^T r, and r - A y to @p rest. Collective.
+     */
+    void
+    correct(const Vector &r, Vector &y, Vector &rest) const;
+
+  private:
+    static constexpr unsigned int n_modes = dim * (dim + 1) / 2;
+    using Key                             = std::array<int, dim>;
+    /** What the modes of its box do at a node: [component][mode]. */
+    using Motions = std::array<std::array<double, n_modes>, dim>;
+
+    void
+    project(const Matrix                    &matrix,
+            const std::vector<unsigned int> &box_of,
+            const std::vector<Motions>      &motions);
+
+    unsigned int              n_owned = 0; ///< nodes
+    std::vector<unsigned int> box_of_node;
+    std::vector<Motions>      motions_of_node;
+    /** A P: of node i, [first[i], first[i + 1]). */
+    std::vector<std::size_t>         first;
+    std::vector<unsigned int>        boxes;
+    std::vector<Motions>             products;
+    dealii::LAPACKFullMatrix<double> coarse;
+    mutable dealii::Vector<double>   amounts;
+  };
+} // namespace emmy
+
+#endif
