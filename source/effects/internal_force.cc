@@ -83,11 +83,17 @@ namespace emmy
     const auto work          = std::make_unique<Assembly>();
     work->batch.with_tangent = jacobian != nullptr;
     work->nodal_force.resize(dim * step.start.active->n_local_nodes());
+    constexpr unsigned int few = 4; // points in a group
+    if (jacobian &&
+        step.stencils.particles.size() < few * step.stencils.groups.size())
+      work->sum.emplace(step.start.active->graph(), *jacobian);
 
     const std::string problem = states.for_each_group(
       step.stencils, step.phases, [&](const Group &group) {
         return add_group(step, iterate, group, *work, jacobian);
       });
+    if (work->sum)
+      work->sum->flush();
     step.start.active->add(work->nodal_force,
                            force); // collective: also after a problem
     return problem;
@@ -142,7 +148,9 @@ namespace emmy
             step.stencils, group, first, volumes, work.batch, work.stiffness);
       }
 
-    if (jacobian)
+    if (work.sum)
+      work.sum->add(nodes, work.stiffness);
+    else if (jacobian)
       active.graph().add(nodes, work.stiffness, *jacobian);
     return {};
   }

@@ -25,7 +25,8 @@ namespace emmy
   {
     this->first_dofs = first_dofs;
     n_owned          = owned_dofs.n_elements() / dim;
-    place_of_unknown.resize(dim * first_dofs.size());
+    place_of_node.resize(first_dofs.size());
+    marked_by.assign(first_dofs.size(), dealii::numbers::invalid_unsigned_int);
     note_conditions(constraints);
     find_neighbours(cliques);
     refuse_matrix_entries(dim * dim * neighbours.size(), communicator);
@@ -146,7 +147,7 @@ namespace emmy
         columns.LID(static_cast<int>(first_dofs[i / dim] + i % dim));
 
     std::vector<unsigned int> place_of_column(columns.NumMyElements());
-    places.resize(dim * first[n_owned]);
+    places.resize(first[n_owned]);
     for (unsigned int node = 0; node < n_owned; ++node)
       for (unsigned int c = 0; c < dim; ++c)
         {
@@ -154,27 +155,37 @@ namespace emmy
           graph.ExtractMyRowView(unknown<dim>(node, c), n, row);
           for (int i = 0; i < n; ++i)
             place_of_column[row[i]] = i;
-          for (std::size_t k = dim * first[node]; k < dim * first[node + 1];
-               ++k)
-            {
-              const int column = column_of[dim * neighbours[k / dim] + k % dim];
-              const unsigned int place = place_of_column[column];
-              if (c == 0)
-                places[k] = place;
-              // all rows of a node have the same columns
-              AssertThrow(place == places[k] && row[place] == column,
-                          dealii::ExcInternalError());
-            }
+          for (std::size_t k = first[node]; k < first[node + 1]; ++k)
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                const int          column = column_of[dim * neighbours[k] + d];
+                const unsigned int place  = place_of_column[column];
+                if (c == 0 && d == 0)
+                  places[k] = place;
+                // all rows of a node have the same columns, and those of a
+                // node follow each other
+                AssertThrow(place == places[k] + d && row[place] == column,
+                            dealii::ExcInternalError());
+              }
         }
   }
 
   template <int dim>
   void
-  NodeGraph<dim>::find_places_of(const unsigned int node) const
+  NodeGraph<dim>::find_places_in_rows(const unsigned int node,
+                                      const Unknowns    &unknowns) const
   {
     for (std::size_t k = first[node]; k < first[node + 1]; ++k)
-      for (unsigned int d = 0; d < dim; ++d)
-        place_of_unknown[dim * neighbours[k] + d] = places[dim * k + d];
+      {
+        place_of_node[neighbours[k]] = places[k];
+        marked_by[neighbours[k]]     = node;
+      }
+    row_places.clear();
+    for (unsigned int j = 0; j < unknowns.size(); ++j)
+      if (marked_by[unknowns[j] / dim] == node)
+        row_places.emplace_back(j,
+                                place_of_node[unknowns[j] / dim] +
+                                  unknowns[j] % dim);
   }
 
   template <int dim>
@@ -185,7 +196,6 @@ namespace emmy
   {
     const std::size_t n = unknowns.size();
     dofs.clear();
-    place_in_row.resize(n);
     unsigned int last_node = dealii::numbers::invalid_unsigned_int;
     for (std::size_t i = 0; i < n; ++i)
       {
@@ -200,15 +210,11 @@ namespace emmy
             continue;
           }
         if (node != last_node)
-          {
-            find_places_of(node);
-            for (std::size_t j = 0; j < n; ++j)
-              place_in_row[j] = place_of_unknown[unknowns[j]];
-          }
+          find_places_in_rows(node, unknowns);
         last_node   = node;
         double *row = matrix.trilinos_matrix()[unknowns[i]];
-        for (std::size_t j = 0; j < n; ++j)
-          row[place_in_row[j]] += values[j];
+        for (const auto &[j, place] : row_places)
+          row[place] += values[j];
       }
   }
 
@@ -322,6 +328,67 @@ namespace emmy
       }
   }
 
+  template <int dim>
+  BlockSum<dim>::BlockSum(const NodeGraph<dim> &graph, Matrix &matrix)
+    : graph(graph)
+    , matrix(matrix)
+    , index_of(graph.n_nodes(), dealii::numbers::invalid_unsigned_int)
+  {}
+
+  template <int dim>
+  void
+  BlockSum<dim>::add(const unsigned int               *nodes,
+                     const dealii::FullMatrix<double> &block)
+  {
+    const unsigned int n     = block.m() / dim;
+    unsigned int       n_new = 0;
+    for (unsigned int a = 0; a < n; ++a)
+      if (index_of[nodes[a]] == dealii::numbers::invalid_unsigned_int)
+        ++n_new;
+    if (members.size() + n_new > std::max(most_nodes, n))
+      flush();
+    if (members.empty())
+      sum.reinit(dim * std::max(most_nodes, n), dim * std::max(most_nodes, n));
+    indices.resize(n);
+    for (unsigned int a = 0; a < n; ++a)
+      {
+        unsigned int &index = index_of[nodes[a]];
+        if (index == dealii::numbers::invalid_unsigned_int)
+          {
+            index = members.size();
+            members.push_back(nodes[a]);
+          }
+        indices[a] = index;
+      }
+    for (unsigned int a = 0; a < n; ++a)
+      for (unsigned int c = 0; c < dim; ++c)
+        {
+          double       *row    = &sum(dim * indices[a] + c, 0);
+          const double *values = &block(dim * a + c, 0);
+          for (unsigned int b = 0; b < n; ++b)
+            for (unsigned int d = 0; d < dim; ++d)
+              row[dim * indices[b] + d] += values[dim * b + d];
+        }
+  }
+
+  template <int dim>
+  void
+  BlockSum<dim>::flush()
+  {
+    if (members.empty())
+      return;
+    const unsigned int n = dim * members.size();
+    used.reinit(n, n, true);
+    for (unsigned int i = 0; i < n; ++i)
+      std::copy_n(&sum(i, 0), n, &used(i, 0));
+    graph.add(members.data(), used, matrix);
+    for (const unsigned int node : members)
+      index_of[node] = dealii::numbers::invalid_unsigned_int;
+    members.clear();
+  }
+
   template class NodeGraph<2>;
   template class NodeGraph<3>;
+  template class BlockSum<2>;
+  template class BlockSum<3>;
 } // namespace emmy

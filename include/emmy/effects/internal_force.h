@@ -4,7 +4,9 @@
 #include <deal.II/lac/full_matrix.h>
 
 #include <emmy/effects/stress_states.h>
+
 #include <emmy/material/middle_step.h>
+#include <optional>
 
 namespace emmy
 {
@@ -61,6 +63,8 @@ namespace emmy
       MiddleStep<dim>            middle;
       std::vector<double>        nodal_force;
       dealii::FullMatrix<double> stiffness;
+      /** Where groups are small, and overlap. */
+      std::optional<BlockSum<dim>> sum;
     };
 
     /**

@@ -35,6 +35,12 @@ namespace emmy
       unsigned int        n;
     };
 
+    unsigned int
+    n_nodes() const
+    {
+      return first_dofs.size();
+    }
+
     /** Whether the conditions are worked into a matrix. */
     enum class Conditions
     {
@@ -70,7 +76,8 @@ namespace emmy
     /**
      * Add a matrix of the unknowns of some nodes that meet, with the
      * conditions worked in.
-     * @param block (dim a + c, dim b + d) of unknowns c and d of the nodes a, b
+     * @param block (dim a + c, dim b + d) of unknowns c and d of the nodes a,
+     *   b; zero for nodes that do not meet
      */
     void
     add(const unsigned int               *nodes,
@@ -107,9 +114,10 @@ namespace emmy
     add_listed(const dealii::FullMatrix<double> &block,
                const Conditions                  conditions,
                Matrix                           &matrix) const;
-    /** Fill place_of_unknown for the neighbours of an owned node. */
+    /** Where unknowns stand in the rows of an owned node, into row_places. */
     void
-    find_places_of(const unsigned int node) const;
+    find_places_in_rows(const unsigned int node,
+                        const Unknowns    &unknowns) const;
     /** C^T block C, into condensed, over the unknowns in extended. */
     void
     condense(const Unknowns                   &unknowns,
@@ -133,16 +141,52 @@ namespace emmy
      */
     std::vector<std::size_t>  first;
     std::vector<unsigned int> neighbours;
-    /** Of the unknowns of the neighbours of owned nodes: index in the rows. */
+    /** Of the neighbours of owned nodes: index of the first unknown in rows. */
     std::vector<unsigned int>                 places;
     dealii::TrilinosWrappers::SparsityPattern sparsity;
 
     // work arrays of a call
-    mutable std::vector<unsigned int>  place_of_unknown, place_in_row;
-    mutable Unknowns                   list, extended;
-    mutable Dofs                       dofs;
-    mutable std::vector<Shares>        shares;
+    mutable std::vector<unsigned int> place_of_node, marked_by;
+    /** Index among unknowns, and in a row, of those that the row has. */
+    mutable std::vector<std::pair<unsigned int, unsigned int>> row_places;
+    mutable Unknowns                                           list, extended;
+    mutable Dofs                                               dofs;
+    mutable std::vector<Shares>                                shares;
     mutable dealii::FullMatrix<double> half_condensed, condensed;
+  };
+
+  /**
+   * Sums small matrices of nodes that are close to each other, before they are
+   * added to a matrix at once. Worth it where groups of nodes overlap: with
+   * GIMP every particle may have nodes of its own, and those of neighbours are
+   * almost the same.
+   */
+  template <int dim>
+  class BlockSum
+  {
+  public:
+    BlockSum(const NodeGraph<dim> &graph, Matrix &matrix);
+
+    /** As NodeGraph::add(). */
+    void
+    add(const unsigned int *nodes, const dealii::FullMatrix<double> &block);
+
+    /** Hand over what is there; once after the last block. */
+    void
+    flush();
+
+  private:
+    /** Of the boxes of two cells' edge that particles of a cell's size reach.
+     */
+    static constexpr unsigned int most_nodes = dim == 2 ? 9 : 27;
+
+    const NodeGraph<dim>     &graph;
+    Matrix                   &matrix;
+    std::vector<unsigned int> members;
+    /** Of each local node: its index among the members, or none. */
+    std::vector<unsigned int>  index_of;
+    std::vector<unsigned int>  indices;
+    dealii::FullMatrix<double> sum, used;
   };
 } // namespace emmy
 
