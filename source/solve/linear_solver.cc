@@ -251,8 +251,9 @@ namespace emmy
         LinearResult result;
         const double goal = tolerance * b.l2_norm();
         Vector       residual(b), correction(b);
-        x = 0.;
-        for (unsigned int cycle = 0; cycle < max_cycles; ++cycle)
+        x           = 0.;
+        double norm = residual.l2_norm();
+        for (unsigned int cycle = 0; cycle < max_cycles && norm > goal; ++cycle)
           {
             const LinearResult part = run(correction,
                                           residual,
@@ -263,9 +264,11 @@ namespace emmy
             if (!part.is_solved)
               break;
             x += correction;
-            if (tolerance > 1e-5 || matrix->residual(residual, x, b) <= goal)
-              break;
+            norm = matrix->residual(residual, x, b);
           }
+        if (result.problem.empty() && !(norm <= goal))
+          result.problem = name() + " stays at the residual " + shortest(norm) +
+                           " above " + shortest(goal);
         return agreed(result, b.get_mpi_communicator());
       }
 
