@@ -258,7 +258,7 @@ namespace emmy
                                                             communicator());
 
     node_places.coordinates = zero;
-    node_places.cell_size   = grid.smallest_cell_size();
+    node_places.cell_size   = grid.shortest_side();
     auto coordinate         = node_places.coordinates.begin();
     for (unsigned int node = 0; node < n_owned_nodes(); ++node)
       for (unsigned int c = 0; c < dim; ++c)
