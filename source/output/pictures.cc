@@ -225,7 +225,7 @@ namespace emmy
                      grid_upper[d],
                      lowest[d],
                      highest[d],
-                     particles.cell_size[d]});
+                     particles.line_distance[d]});
     for (const auto &panel : particles.panels)
       result.insert(result.end(), {panel.time, panel.file.empty() ? 0. : 1.});
     return result;
@@ -247,7 +247,7 @@ namespace emmy
         grid_upper[d]          = next();
         lowest[d]              = next();
         highest[d]             = next();
-        particles.cell_size[d] = next();
+        particles.line_distance[d] = next();
       }
     particles.panels.clear();
     while (number != memory.end())

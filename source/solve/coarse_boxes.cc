@@ -76,12 +76,13 @@ namespace emmy
   {
     constexpr unsigned int most_rows = 600;
 
+    const auto &[where, spacing]         = places;
     const Epetra_CrsMatrix &entries      = matrix.trilinos_matrix();
     const MPI_Comm          communicator = matrix.get_mpi_communicator();
     n_owned                              = entries.NumMyRows() / dim;
 
     const Epetra_Vector coordinates =
-      on_columns(entries, *places.coordinates.trilinos_vector()(0));
+      on_columns(entries, *where.trilinos_vector()(0));
     const Epetra_Vector couples = on_columns(entries, coupling_rows(entries));
     const Epetra_Map   &columns = entries.ColMap();
     const unsigned int  n_known = columns.NumMyElements() / dim;
@@ -89,7 +90,7 @@ namespace emmy
     // boxes that have a node of any rank, in the order of their keys
     double edge =
       std::max(6., std::ceil(std::pow(matrix.m() / dim / 100., 1. / dim))) *
-      places.cell_size;
+      spacing;
     std::vector<Key> keys(n_known), all;
     for (;; edge *= 1.2)
       {

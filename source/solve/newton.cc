@@ -160,13 +160,18 @@ namespace emmy
     double
     linear_tolerance() const
     {
-      constexpr double safety = 0.1, tightest = 1e-10, round_off = 1e-14;
+      constexpr double safety = 0.1, last = 1e-8, tightest = 1e-10,
+                       round_off = 1e-14;
 
       const auto &history = result.residual_history;
       if (history.size() < 2)
         return newton.linear_tolerance;
       const double falls = norm / history[history.size() - 2];
-      return std::min(newton.linear_tolerance,
+      // the last increment leaves what is round-off, not what is enough
+      const double loosest = history.size() > 2
+                               ? std::min(last, newton.linear_tolerance)
+                               : newton.linear_tolerance;
+      return std::min(loosest,
                       std::max({safety * falls * falls,
                                 tightest,
                                 round_off * equation.scale() / norm}));

@@ -257,9 +257,8 @@ namespace emmy
                                                             ghost_dofs,
                                                             communicator());
 
-    node_places.coordinates = zero;
-    node_places.cell_size   = grid.shortest_side();
-    auto coordinate         = node_places.coordinates.begin();
+    node_places     = {zero, grid.shortest_side()};
+    auto coordinate = node_places.coordinates.begin();
     for (unsigned int node = 0; node < n_owned_nodes(); ++node)
       for (unsigned int c = 0; c < dim; ++c)
         *coordinate++ = node_positions[node][c];
