@@ -328,8 +328,7 @@ namespace emmy
           return;
         while (mu < 0.1 &&
                iteration.equation.size(iteration.increment) > largest_size)
-          if (!iteration.find_increment(mu =
-                                          std::max(100. * mu, first_damping)))
+          if (!iteration.find_increment(mu *= 100.))
             return;
 
         bool has_meaning =

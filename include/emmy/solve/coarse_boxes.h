@@ -13,10 +13,10 @@ namespace emmy
   /**
    * A coarse level for a preconditioner: the nodes of all ranks are grouped by
    * boxes in space, and each box has the rigid motions as its modes P, zero
-   * where a row of the matrix couples nothing (fixed unknowns, followers). With
+   * where a row of the matrix couples nothing (unknowns that are given). With
    * A_c = P^T A P a residual r gets the correction P A_c^-1 P^T r (two-level
-   * deflation, Nabben and Vuik 2006; box-wise rigid modes as in smoothed
-   * aggregation, Vanek et al. 1996, without the smoothing). It brings long
+   * deflation, Nabben and Vuik 2006; box-wise rigid modes as in
+   * Vanek et al. 1996, without the smoothing). It brings long
    * waves, which a step of many cells' length of travel couples, to an end that
    * ILU sees only node by node.
    *
