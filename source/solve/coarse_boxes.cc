@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 namespace emmy
@@ -85,7 +86,22 @@ namespace emmy
       on_columns(entries, *where.trilinos_vector()(0));
     const Epetra_Vector couples = on_columns(entries, coupling_rows(entries));
     const Epetra_Map   &columns = entries.ColMap();
-    const unsigned int  n_known = columns.NumMyElements() / dim;
+
+    // the nodes of the columns; the columns of a node need not stand together
+    const unsigned int          n_columns = columns.NumMyElements();
+    std::map<int, unsigned int> index_of;
+    std::vector<unsigned int>   node_of(n_columns), component_of(n_columns);
+    std::vector<std::array<double, dim>> places_of_nodes;
+    for (unsigned int j = 0; j < n_columns; ++j)
+      {
+        const int  gid  = columns.GID(j);
+        const auto node = index_of.emplace(gid / dim, index_of.size()).first;
+        node_of[j]      = node->second;
+        component_of[j] = gid % dim;
+        places_of_nodes.resize(index_of.size());
+        places_of_nodes[node_of[j]][component_of[j]] = coordinates[j];
+      }
+    const unsigned int n_known = places_of_nodes.size();
 
     // boxes that have a node of any rank, in the order of their keys
     double edge =
@@ -98,8 +114,8 @@ namespace emmy
         for (unsigned int node = 0; node < n_known; ++node)
           {
             for (int c = 0; c < dim; ++c)
-              keys[node][c] = static_cast<int>(
-                std::floor(coordinates[dim * node + c] / edge));
+              keys[node][c] =
+                static_cast<int>(std::floor(places_of_nodes[node][c] / edge));
             ours.insert(keys[node]);
           }
         std::set<Key> known;
@@ -112,19 +128,18 @@ namespace emmy
         break;
       }
 
-    std::vector<unsigned int> box_of(n_known);
-    std::vector<Motions>      motions(n_known);
-    for (unsigned int node = 0; node < n_known; ++node)
+    std::vector<unsigned int> box_of(n_columns);
+    std::vector<Motion>       motions(n_columns);
+    for (unsigned int j = 0; j < n_columns; ++j)
       {
-        box_of[node] =
-          std::lower_bound(all.begin(), all.end(), keys[node]) - all.begin();
+        const Key &key = keys[node_of[j]];
+        box_of[j] = std::lower_bound(all.begin(), all.end(), key) - all.begin();
         std::array<double, dim> d;
         for (int c = 0; c < dim; ++c)
-          d[c] = 2. * (coordinates[dim * node + c] / edge - keys[node][c]) - 1.;
-        motions[node] = rigid_motions<dim>(d);
-        for (int c = 0; c < dim; ++c)
-          for (double &motion : motions[node][c])
-            motion *= couples[dim * node + c];
+          d[c] = 2. * (places_of_nodes[node_of[j]][c] / edge - key[c]) - 1.;
+        motions[j] = rigid_motions<dim>(d)[component_of[j]];
+        for (double &motion : motions[j])
+          motion *= couples[j];
       }
 
     coarse.reinit(n_modes * all.size());
@@ -136,7 +151,7 @@ namespace emmy
   void
   CoarseBoxes<dim>::project(const Matrix                    &matrix,
                             const std::vector<unsigned int> &box_of,
-                            const std::vector<Motions>      &motions)
+                            const std::vector<Motion>       &motions)
   {
     const Epetra_CrsMatrix &entries = matrix.trilinos_matrix();
     const unsigned int      n_rows  = amounts.size();
@@ -156,8 +171,7 @@ namespace emmy
             std::size_t place = first.back();
             for (int k = 0; k < length; ++k)
               {
-                const unsigned int other = columns[k] / dim;
-                const unsigned int box   = box_of[other];
+                const unsigned int box = box_of[columns[k]];
                 if (place >= boxes.size() || boxes[place] != box)
                   {
                     place = std::find(boxes.begin() + first.back(),
@@ -170,15 +184,18 @@ namespace emmy
                         products.push_back(Motions{});
                       }
                   }
-                const auto &motion = motions[other][columns[k] % dim];
+                const auto &motion = motions[columns[k]];
                 for (unsigned int m = 0; m < n_modes; ++m)
                   products[place][i][m] += values[k] * motion[m];
               }
           }
-        // columns begin with the rows of this rank
-        const int own = entries.ColMap().LID(entries.RowMap().GID(dim * node));
-        box_of_node[node]     = box_of[own / dim];
-        motions_of_node[node] = motions[own / dim];
+        for (int i = 0; i < dim; ++i)
+          {
+            const int own =
+              entries.ColMap().LID(entries.RowMap().GID(dim * node + i));
+            box_of_node[node]        = box_of[own];
+            motions_of_node[node][i] = motions[own];
+          }
         first.push_back(boxes.size());
         for (std::size_t k = first[node]; k < first[node + 1]; ++k)
           for (unsigned int m = 0; m < n_modes; ++m)

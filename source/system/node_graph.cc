@@ -147,7 +147,7 @@ namespace emmy
         columns.LID(static_cast<int>(first_dofs[i / dim] + i % dim));
 
     std::vector<unsigned int> place_of_column(columns.NumMyElements());
-    places.resize(first[n_owned]);
+    places.resize(dim * first[n_owned]);
     for (unsigned int node = 0; node < n_owned; ++node)
       for (unsigned int c = 0; c < dim; ++c)
         {
@@ -158,13 +158,13 @@ namespace emmy
           for (std::size_t k = first[node]; k < first[node + 1]; ++k)
             for (unsigned int d = 0; d < dim; ++d)
               {
-                const int          column = column_of[dim * neighbours[k] + d];
-                const unsigned int place  = place_of_column[column];
-                if (c == 0 && d == 0)
-                  places[k] = place;
-                // all rows of a node have the same columns, and those of a
-                // node follow each other
-                AssertThrow(place == places[k] + d && row[place] == column,
+                const int column = column_of[unknown<dim>(neighbours[k], d)];
+                const unsigned int place = place_of_column[column];
+                if (c == 0)
+                  places[dim * k + d] = place;
+                // all rows of a node have the same columns
+                AssertThrow(place == places[dim * k + d] &&
+                              row[place] == column,
                             dealii::ExcInternalError());
               }
         }
@@ -177,15 +177,15 @@ namespace emmy
   {
     for (std::size_t k = first[node]; k < first[node + 1]; ++k)
       {
-        place_of_node[neighbours[k]] = places[k];
+        place_of_node[neighbours[k]] = k;
         marked_by[neighbours[k]]     = node;
       }
     row_places.clear();
     for (unsigned int j = 0; j < unknowns.size(); ++j)
       if (marked_by[unknowns[j] / dim] == node)
-        row_places.emplace_back(j,
-                                place_of_node[unknowns[j] / dim] +
-                                  unknowns[j] % dim);
+        row_places.emplace_back(
+          j,
+          places[dim * place_of_node[unknowns[j] / dim] + unknowns[j] % dim]);
   }
 
   template <int dim>

@@ -43,13 +43,15 @@ namespace emmy
   private:
     static constexpr unsigned int n_modes = dim * (dim + 1) / 2;
     using Key                             = std::array<int, dim>;
-    /** What the modes of its box do at a node: [component][mode]. */
+    /** What the modes of its box do at an unknown, and at a node. */
+    using Motion  = std::array<double, n_modes>;
     using Motions = std::array<std::array<double, n_modes>, dim>;
 
+    /** @param box_of, motions of each column */
     void
     project(const Matrix                    &matrix,
             const std::vector<unsigned int> &box_of,
-            const std::vector<Motions>      &motions);
+            const std::vector<Motion>       &motions);
 
     unsigned int              n_owned = 0; ///< nodes
     std::vector<unsigned int> box_of_node;
