@@ -141,7 +141,7 @@ namespace emmy
      */
     std::vector<std::size_t>  first;
     std::vector<unsigned int> neighbours;
-    /** Of the neighbours of owned nodes: index of the first unknown in rows. */
+    /** Of the unknowns of the neighbours of owned nodes: index in the rows. */
     std::vector<unsigned int>                 places;
     dealii::TrilinosWrappers::SparsityPattern sparsity;
 
