@@ -39,7 +39,7 @@ done
 wait $run
 status=$?
 
-if [ $status -eq $interrupted ]; then
+if [ $status -eq $interrupted ] || [ $status -eq 138 ]; then # 138: warned while it started
   scontrol requeue "$SLURM_JOB_ID"
 else
   exit $status

@@ -20,14 +20,14 @@ namespace emmy
                                 const SceneParameters<dim> &parameters,
                                 const Ledger               &ledger,
                                 const std::string          &directory,
-                                const bool                  is_handling)
+                                const SignalWatch          *signals)
     : scene(scene)
     , wanted(parameters.checkpoint)
     , parameters(text_of(parameters))
     , ledger(ledger)
     , directory(directory)
     , folder(directory, scene.grid.communicator())
-    , watch(is_handling)
+    , signals(signals)
     , last_time(std::chrono::steady_clock::now())
     , last_step(scene.state.step)
   {}
@@ -45,7 +45,7 @@ namespace emmy
     const bool is_late = this_mpi_process(communicator) == 0 &&
                          wanted.every_minutes > 0. &&
                          minutes >= wanted.every_minutes;
-    const std::vector<int> here{watch.received(), is_late};
+    const std::vector<int> here{signals ? signals->received() : 0, is_late};
     std::vector<int>       all(2);
     max(here, communicator, all);
     signal = all[0];

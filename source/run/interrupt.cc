@@ -27,12 +27,17 @@ namespace emmy
     }
   } // namespace
 
-  SignalWatch::SignalWatch(const bool is_on)
-    : is_on(is_on)
+  SignalWatch::SignalWatch()
   {
-    if (!is_on)
-      return;
     first_signal = 0;
+    for (unsigned int i = 0; i < 3; ++i)
+      ::sigaction(watched[i], nullptr, &before[i]);
+    renew();
+  }
+
+  void
+  SignalWatch::renew()
+  {
     for (unsigned int i = 0; i < 3; ++i)
       {
         struct sigaction action;
@@ -43,21 +48,20 @@ namespace emmy
         action.sa_flags = SA_RESTART;
         if (watched[i] == SIGINT)
           action.sa_flags |= SA_RESETHAND;
-        ::sigaction(watched[i], &action, &before[i]);
+        ::sigaction(watched[i], &action, nullptr);
       }
   }
 
   SignalWatch::~SignalWatch()
   {
-    if (is_on)
-      for (unsigned int i = 0; i < 3; ++i)
-        ::sigaction(watched[i], &before[i], nullptr);
+    for (unsigned int i = 0; i < 3; ++i)
+      ::sigaction(watched[i], &before[i], nullptr);
   }
 
   int
   SignalWatch::received() const
   {
-    return is_on ? static_cast<int>(first_signal) : 0;
+    return static_cast<int>(first_signal);
   }
 
   std::string

@@ -325,7 +325,7 @@ namespace emmy
     else
       frames.initial();
     Checkpoints<dim> checkpoints(
-      scene, parameters, ledger, directory.path(), options.handles_signals);
+      scene, parameters, ledger, directory.path(), options.signals);
     Progress progress(screen,
                       is_first && !options.is_quiet && isatty(STDOUT_FILENO) &&
                         n_ranks == 1,

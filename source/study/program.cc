@@ -2,6 +2,7 @@
 
 #include <emmy/base/exceptions.h>
 #include <emmy/run/catalogue.h>
+#include <emmy/run/interrupt.h>
 #include <emmy/run/restart.h>
 #include <emmy/run/run.h>
 #include <emmy/run/scene_parameters.h>
@@ -11,6 +12,7 @@
 #include <emmy/study/study_parameters.h>
 
 #include <iostream>
+#include <memory>
 #include <sstream>
 #include <string>
 
@@ -24,6 +26,7 @@ namespace emmy
     perform(const CommandLine   &line,
             const ParameterFile &file,
             const SavedRun      *saved,
+            const SignalWatch   *signals,
             const bool           is_first)
     {
       if (line.task == CommandLine::Task::print_parameters)
@@ -41,18 +44,20 @@ namespace emmy
           return RunEnd::complete;
         }
       RunOptions options;
-      options.only_check      = line.task == CommandLine::Task::check;
-      options.with_absent     = line.all;
-      options.overwrite       = line.overwrite;
-      options.handles_signals = true;
-      options.restart         = saved;
-      options.new_loads       = line.new_loads;
+      options.only_check  = line.task == CommandLine::Task::check;
+      options.with_absent = line.all;
+      options.overwrite   = line.overwrite;
+      options.signals     = signals;
+      options.restart     = saved;
+      options.new_loads   = line.new_loads;
       return run<dim>(file, options, MPI_COMM_WORLD);
     }
 
     /** Go on with a run from its last checkpoint. */
     RunEnd
-    perform_restart(const CommandLine &line, const bool is_first)
+    perform_restart(const CommandLine &line,
+                    const SignalWatch *signals,
+                    const bool         is_first)
     {
       std::string directory = line.restart;
       while (directory.size() > 1 && directory.back() == '/')
@@ -68,8 +73,8 @@ namespace emmy
                            " dimensions, and the run in <" + directory +
                            "> has " + std::to_string(saved.dimension),
                          "go on with the scene of that run."));
-      return dim == 2 ? perform<2>(line, file, &saved, is_first)
-                      : perform<3>(line, file, &saved, is_first);
+      return dim == 2 ? perform<2>(line, file, &saved, signals, is_first)
+                      : perform<3>(line, file, &saved, signals, is_first);
     }
 
     void
@@ -140,12 +145,23 @@ namespace emmy
     }
 
     RunEnd
-    perform(const CommandLine &line, const bool is_first)
+    perform(const CommandLine            &line,
+            std::unique_ptr<SignalWatch> &watch,
+            const bool                    is_first)
     {
+      if (line.is_study || line.task != CommandLine::Task::run)
+        {
+          const int signal = watch->received();
+          watch.reset(); // others end at once
+          if (signal != 0)
+            std::raise(signal);
+        }
+      const SignalWatch *const signals = watch.get();
+
       if (tells(line, is_first))
         return RunEnd::complete;
       if (!line.restart.empty())
-        return perform_restart(line, is_first);
+        return perform_restart(line, signals, is_first);
       ParameterFile file = !line.file.empty() ? ParameterFile(line.file)
                            : line.is_study    ? reference_study()
                                               : reference_file();
@@ -161,16 +177,18 @@ namespace emmy
                          "<" + line.file + "> describes a study, not a scene",
                          "run it with emmy study " + line.file + "."));
       return dimension_of(file) == 2
-               ? perform<2>(line, file, nullptr, is_first)
-               : perform<3>(line, file, nullptr, is_first);
+               ? perform<2>(line, file, nullptr, signals, is_first)
+               : perform<3>(line, file, nullptr, signals, is_first);
     }
   } // namespace
 
   int
   run_program(int argc, char *argv[])
   {
+    auto watch = std::make_unique<SignalWatch>(); // starting takes seconds
     dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-    const bool                               is_first =
+    watch->renew();
+    const bool is_first =
       dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
 
     // Errors of ours are raised on all ranks together; the first speaks.
@@ -185,7 +203,8 @@ namespace emmy
     RunEnd end = RunEnd::complete;
     try
       {
-        end = perform(parse_command_line({argv + 1, argv + argc}), is_first);
+        end =
+          perform(parse_command_line({argv + 1, argv + argc}), watch, is_first);
       }
     catch (const ExcParameter &error)
       {

@@ -218,6 +218,29 @@ def signals():
               f"{what}: the log says where")
 
 
+def early_signals():
+    """Signals that come before the first step, at any time."""
+    print("Signals while emmy starts", flush=True)
+    for delay in (0.3, 0.5, 0.7, 0.9):
+        shutil.rmtree("run", ignore_errors=True)
+        last["words"] = [f"SIGUSR1 after {delay} s"]
+        process = subprocess.Popen([EMMY, "block.prm", *sets(["Time/End time=1000"])], env=ENVIRONMENT,
+                                   stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        while b"emmy" not in content(f"/proc/{process.pid}/comm"):
+            time.sleep(0.01)
+        # the program's own code runs, which the libraries' start is not
+        while not int(next(line for line in content(f"/proc/{process.pid}/status").decode().splitlines()
+                           if line.startswith("SigCgt")).split()[1], 16) >> (signal.SIGUSR1 - 1) & 1:
+            time.sleep(0.01)
+        check(not os.path.exists("run"), "signals are watched before the scene is built")
+        time.sleep(delay - 0.3)
+        process.send_signal(signal.SIGUSR1)
+        last["text"] = process.communicate(timeout=60)[0].decode()
+        last["status"] = process.returncode
+        check(last["status"] == 75, f"after {delay} s: exit code 75")
+        check(says("interrupted by SIGUSR1 after step"), f"after {delay} s: a step was made")
+
+
 def clock():
     print("By the clock, and not at all", flush=True)
     for settings, expected in ((["Checkpoint/Every steps=0", "Checkpoint/Every minutes=1e-6"],
@@ -426,7 +449,7 @@ def main():
         os.chdir(work)
         with open("block.prm", "w", encoding="utf-8") as file:
             file.write(BLOCK)
-        for part in (signals, clock, damage, refusals, disks, chains, failures):
+        for part in (signals, early_signals, clock, damage, refusals, disks, chains, failures):
             if not only or part.__name__ in only:
                 part()
         os.chdir("/")

@@ -21,15 +21,15 @@ namespace emmy
   {
   public:
     /**
-     * Borrows scene, parameters and ledger.
-     * @param directory   of the results
-     * @param is_handling signals, see SignalWatch
+     * Borrows all.
+     * @param directory of the results
+     * @param signals   null: none ends the run
      */
     Checkpoints(Scene<dim>                 &scene,
                 const SceneParameters<dim> &parameters,
                 const Ledger               &ledger,
                 const std::string          &directory,
-                const bool                  is_handling);
+                const SignalWatch          *signals);
 
     /**
      * After an accepted step, when all else of it is written. Collective.
@@ -70,7 +70,7 @@ namespace emmy
     const Ledger                         &ledger;
     const std::string                     directory;
     const CheckpointFolder                folder;
-    const SignalWatch                     watch;
+    const SignalWatch *const              signals;
     std::chrono::steady_clock::time_point last_time;
     unsigned int                          last_step; ///< that was written
     bool                                  is_written = false;

@@ -10,17 +10,22 @@ namespace emmy
   /**
    * While it lives, SIGTERM, SIGINT (Ctrl-C) and SIGUSR1 (the warning of a
    * batch system) do not end the program, but are noted. A second Ctrl-C ends
-   * it at once. At most one may live at a time.
+   * it at once. At most one may live at a time; made before MPI starts, as a
+   * batch system may warn while ranks are still starting.
    */
   class SignalWatch
   {
   public:
-    /** @param is_on false: signals do what they always do */
-    explicit SignalWatch(const bool is_on);
+    SignalWatch();
+    /** Signals do again what they did before. */
     ~SignalWatch();
     SignalWatch(const SignalWatch &) = delete;
     SignalWatch &
     operator=(const SignalWatch &) = delete;
+
+    /** Once MPI has started, which may handle signals itself. */
+    void
+    renew();
 
     /** The number of the first signal that came to this rank; 0: none did. */
     int
@@ -31,7 +36,6 @@ namespace emmy
     name(const int signal);
 
   private:
-    const bool       is_on;
     struct sigaction before[3];
   };
 } // namespace emmy

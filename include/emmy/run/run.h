@@ -8,6 +8,7 @@
 namespace emmy
 {
   struct SavedRun;
+  class SignalWatch;
 
   /** What the command line asks for besides a parameter file. */
   struct RunOptions
@@ -16,8 +17,8 @@ namespace emmy
     bool with_absent = false; ///< and what the absent effects would cost
     bool overwrite   = false; ///< replace results of an earlier run
     bool is_quiet    = false; ///< nothing on the screen; run.log as ever
-    /** Whether signals have a checkpoint written, and end the run. */
-    bool handles_signals = false;
+    /** Borrowed: has a checkpoint written, and ends the run. Null: nothing. */
+    const SignalWatch *signals = nullptr;
     /** Borrowed: where the run goes on; null: it begins. */
     const SavedRun *restart   = nullptr;
     bool            new_loads = false; ///< loads may be others then
