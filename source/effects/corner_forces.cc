@@ -35,7 +35,7 @@ namespace emmy
     for (unsigned int a = 0; a < group.n_nodes; ++a)
       for (unsigned int c = 0; c < dim; ++c)
         result.way[c] +=
-          step.stencils.value(group, a)[q] * u[dim * nodes[a] + c];
+          step.stencils.value(group, a)[q] * u[unknown<dim>(nodes[a], c)];
     result.gradient = step.stencils.displacement_gradient(group, q, nodes, u);
     result.F_old    = tensor_field(step.points, deformation_gradient, result.p);
     result.F        = result.F_old;
@@ -112,7 +112,7 @@ namespace emmy
           for (unsigned int j = 0; j < dim; ++j)
             for (unsigned int m = 0; m <= dim; ++m)
               z[(dim + 1) * j + m] +=
-                by_q(k, m, a) * displacement[dim * nodes[a] + j];
+                by_q(k, m, a) * displacement[unknown<dim>(nodes[a], j)];
         for (unsigned int row = 0; row < n_motion; ++row)
           {
             double sum = 0.; // E z,k
@@ -130,7 +130,7 @@ namespace emmy
               double sum = 0.; // W,k G
               for (unsigned int l = 0; l <= dim; ++l)
                 sum += by_q(k, l, a) * value[(dim + 1) * i + l];
-              share[dim * nodes[a] + i] -= sum * response.shift[k];
+              share[unknown<dim>(nodes[a], i)] -= sum * response.shift[k];
               for (unsigned int j = 0; j < dim; ++j)
                 for (unsigned int m = 0; m <= dim; ++m)
                   along[dim * a + i][(dim + 1) * j + m] +=
@@ -144,7 +144,7 @@ namespace emmy
           for (unsigned int d = 0; d < dim; ++d)
             sum += step.stencils.gradient(group, a, d)[q] *
                    moved[(dim + 1) * i + 1 + d];
-          share[dim * nodes[a] + i] -= sum;
+          share[unknown<dim>(nodes[a], i)] -= sum;
         }
   }
 
@@ -164,7 +164,7 @@ namespace emmy
           weights[a][1 + d] = step.stencils.gradient(group, a, d)[q];
         for (unsigned int i = 0; i < dim; ++i)
           for (unsigned int l = 0; l <= dim; ++l)
-            nodal_force[dim * nodes[a] + i] -=
+            nodal_force[unknown<dim>(nodes[a], i)] -=
               weights[a][l] * value[(dim + 1) * i + l];
       }
     if (jacobian)

@@ -32,6 +32,11 @@ namespace emmy
       {"kinetic_energy", "kinetic", "lc rgb '#0072b2'"},
       {"strain_energy", "strain", "lc rgb '#d55e00'"},
       {"hardening_energy", "hardening", "lc rgb '#cc79a7'"},
+      {"contact_energy", "contact", "lc rgb '#e69f00'"},
+      {"friction_energy", "friction, stored", "lc rgb '#56b4e9'"},
+      {"friction_dissipation",
+       "friction, dissipated",
+       "lc rgb '#56b4e9' dt (4,4)"},
       {"plastic_dissipation", "plastic dissipation", "lc rgb '#009e73'"},
       {"stress_rule_loss", "stress rule loss", "lc rgb '#d55e00' dt (10,4)"},
       {"lumping_loss", "lumping loss", "lc rgb '#e69f00' dt (10,4)"},
@@ -41,11 +46,6 @@ namespace emmy
       {"ghost_stiffness_loss",
        "ghost stiffness loss",
        "lc rgb '#009e73' dt (4,4)"}};
-
-    // What was brought in from outside.
-    const std::vector<Curve> works = {{"load_work", "loads", ""},
-                                      {"reaction_work", "reactions", ""}};
-
 
     /** The file of the particles of a snapshot. */
     std::string
@@ -68,14 +68,43 @@ namespace emmy
     }
 
 
+    /**
+     * The columns of what was brought in from outside: works of loads, of
+     * what holds unknowns, of tools; not what solves left.
+     */
+    std::vector<std::string>
+    works_among(const std::vector<std::string> &columns)
+    {
+      const std::string        ending = "_work";
+      std::vector<std::string> found;
+      for (const std::string &column : columns)
+        if (column.size() > ending.size() && column != "residual_work" &&
+            column.compare(column.size() - ending.size(),
+                           ending.size(),
+                           ending) == 0)
+          found.push_back(column);
+      return found;
+    }
+
+
     /** The sum of the columns as a gnuplot expression; 0 of none. */
+    std::string
+    sum(const std::vector<std::string> &columns)
+    {
+      std::string terms = "0";
+      for (const std::string &column : columns)
+        terms += " + column('" + column + "')";
+      return terms;
+    }
+
+
     std::string
     sum(const std::vector<Curve> &curves)
     {
-      std::string terms = "0";
+      std::vector<std::string> columns;
       for (const Curve &curve : curves)
-        terms += std::string(" + column('") + curve.column + "')";
-      return terms;
+        columns.push_back(curve.column);
+      return sum(columns);
     }
 
 
@@ -243,10 +272,10 @@ namespace emmy
     particles.largest  = next();
     for (unsigned int d = 0; d < 3; ++d)
       {
-        grid_lower[d]          = next();
-        grid_upper[d]          = next();
-        lowest[d]              = next();
-        highest[d]             = next();
+        grid_lower[d]              = next();
+        grid_upper[d]              = next();
+        lowest[d]                  = next();
+        highest[d]                 = next();
         particles.line_distance[d] = next();
       }
     particles.panels.clear();
@@ -320,8 +349,8 @@ namespace emmy
   void
   Pictures::write_energies(const std::vector<std::string> &columns)
   {
-    const std::vector<Curve> stored  = present(energies, columns);
-    const std::vector<Curve> outside = present(works, columns);
+    const std::vector<Curve>       stored  = present(energies, columns);
+    const std::vector<std::string> outside = works_among(columns);
     const std::size_t n_curves = stored.size() + (outside.empty() ? 1 : 2);
 
     std::ofstream script(fs::path(folder) / "energies.gp");

@@ -259,7 +259,6 @@ namespace emmy
       out[i] += work[i] * scale[i] * size;
   }
 
-  template class BlockIlu<1>;
   template class BlockIlu<2>;
   template class BlockIlu<3>;
 } // namespace emmy

@@ -345,7 +345,9 @@ namespace emmy
     for (unsigned int a = 0; a < n; ++a)
       if (index_of[nodes[a]] == dealii::numbers::invalid_unsigned_int)
         ++n_new;
-    if (members.size() + n_new > std::max(most_nodes, n))
+    const unsigned int room =
+      members.empty() ? std::max(most_nodes, n) : sum.m() / dim;
+    if (members.size() + n_new > room)
       flush();
     if (members.empty())
       sum.reinit(dim * std::max(most_nodes, n), dim * std::max(most_nodes, n));
@@ -363,8 +365,8 @@ namespace emmy
     for (unsigned int a = 0; a < n; ++a)
       for (unsigned int c = 0; c < dim; ++c)
         {
-          double       *row    = &sum(dim * indices[a] + c, 0);
-          const double *values = &block(dim * a + c, 0);
+          double       *row    = &sum(unknown<dim>(indices[a], c), 0);
+          const double *values = &block(unknown<dim>(a, c), 0);
           for (unsigned int b = 0; b < n; ++b)
             for (unsigned int d = 0; d < dim; ++d)
               row[dim * indices[b] + d] += values[dim * b + d];

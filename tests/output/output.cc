@@ -353,10 +353,10 @@ namespace
       fs::path(folder) / ("it's a \"$(run)\" " + std::to_string(dim));
     fs::create_directory(run);
     std::ofstream ledger(run / "ledger.csv");
-    ledger << "step,time,kinetic_energy,strain_energy,load_work,"
-              "balance_error\n";
+    ledger << "step,time,kinetic_energy,strain_energy,contact_energy,load_work,"
+              "tool_plate_work,residual_work,balance_error\n";
     for (unsigned int i = 0; i < 20; ++i)
-      ledger << i << "," << 0.1 * i << "," << 20 - i << "," << i << ",0,"
+      ledger << i << "," << 0.1 * i << "," << 20 - i << "," << i << ",0,0,0,0,"
              << (i % 5) * 1e-15 << "\n";
     ledger.close();
 
@@ -390,6 +390,13 @@ namespace
         if (gnuplot_is_installed())
           check(!absent && size > 5000, name + ".png is drawn");
       }
+    const std::string script = contents(run / "pictures/energies.gp");
+    check(count(script, "+ column('contact_energy')") > 0,
+          "what contact stores is in the total");
+    check(count(script, "column('load_work') + column('tool_plate_work')") >
+              0 &&
+            count(script, "residual_work") == 0,
+          "all works from outside, and not what solves left");
     for (const std::string &warning : warnings)
       check(!gnuplot_is_installed(), "unexpected warning: " + warning);
     if (gnuplot_is_installed())
