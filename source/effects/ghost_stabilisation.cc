@@ -99,15 +99,22 @@ namespace emmy
   }
 
   template <int dim>
+  const AddedMass<dim> *
+  GhostStabilisation<dim>::added_mass() const
+  {
+    return this;
+  }
+
+  template <int dim>
   std::string
-  GhostStabilisation<dim>::mass_loss() const
+  GhostStabilisation<dim>::loss_column() const
   {
     return "ghost_mass_loss";
   }
 
   template <int dim>
   void
-  GhostStabilisation<dim>::add_mass(const ActiveGrid<dim> &active,
+  GhostStabilisation<dim>::hand_out(const ActiveGrid<dim> &active,
                                     const MassReceiver    &receive) const
   {
     constexpr unsigned int     n = GhostFace<dim>::n_nodes;

@@ -256,10 +256,10 @@ namespace emmy
   }
 
   template <int dim>
-  bool
-  MovingWalls<dim>::gives_motion() const
+  const GivenMotion<dim> *
+  MovingWalls<dim>::given_motion() const
   {
-    return true;
+    return this;
   }
 
   template <int dim>
@@ -285,26 +285,26 @@ namespace emmy
 
   template <int dim>
   void
-  MovingWalls<dim>::add_given_velocity(const ActiveGrid<dim> &active,
-                                       const double           time,
-                                       Vector                &velocity) const
+  MovingWalls<dim>::add_velocity(const ActiveGrid<dim> &active,
+                                 const double           time,
+                                 Vector                &velocity) const
   {
     add_sides(velocities(time), active, velocity);
   }
 
   template <int dim>
   void
-  MovingWalls<dim>::add_given_displacement(const ActiveGrid<dim> &active,
-                                           const double           time,
-                                           const double           time_step,
-                                           Vector &displacement) const
+  MovingWalls<dim>::add_displacement(const ActiveGrid<dim> &active,
+                                     const double           time,
+                                     const double           time_step,
+                                     Vector                &displacement) const
   {
     add_sides(displacements(time, time_step), active, displacement);
   }
 
   template <int dim>
   std::string
-  MovingWalls<dim>::reaction_work() const
+  MovingWalls<dim>::work_column() const
   {
     return "reaction_work";
   }

@@ -104,7 +104,7 @@ namespace emmy
           result.problem = equation.problem();
           return false;
         }
-      norm = equation.residual().l2_norm();
+      norm = equation.system().residual.l2_norm();
       result.residual_history.push_back(norm);
       result.is_converged = equation.is_settled() &&
                             is_round_off(std::numeric_limits<double>::max());
@@ -132,12 +132,13 @@ namespace emmy
     find_increment(const double mu)
     {
       const auto scope = newton.phases.scope("linear solve");
-      damp(mu, equation.jacobian());
+      damp(mu, equation.system().jacobian);
       // moved, not copied into: unknowns may be numbered anew
-      right_side = Vector(equation.reduced_residual());
+      right_side = Vector(equation.system().reduced_residual);
       right_side *= -1.;
-      LinearResult solve = newton.linear_solver.prepare(equation.jacobian(),
-                                                        equation.node_places());
+      LinearResult solve =
+        newton.linear_solver.prepare(equation.system().jacobian,
+                                     equation.system().node_places);
       if (solve.is_solved)
         solve =
           newton.linear_solver.solve(increment, right_side, linear_tolerance());
@@ -174,7 +175,7 @@ namespace emmy
       return std::min(loosest,
                       std::max({safety * falls * falls,
                                 tightest,
-                                round_off * equation.scale() / norm}));
+                                round_off * equation.system().scale / norm}));
     }
 
     /**
@@ -190,7 +191,7 @@ namespace emmy
         return false;
       const double falls = norm / history[history.size() - 2];
       return falls < 0.1 &&
-             (falls * norm <= force_round_off * equation.scale() ||
+             (falls * norm <= force_round_off * equation.system().scale ||
               falls * absolute_product(right_side, increment) <
                 newton.tolerance * reference);
     }
@@ -215,13 +216,13 @@ namespace emmy
     is_converged()
     {
       const double norm_before = norm;
-      norm                     = equation.residual().l2_norm();
+      norm                     = equation.system().residual.l2_norm();
       result.residual_history.push_back(norm);
       newton.phases.tell("Newton iteration " +
                          std::to_string(result.iterations) +
                          ", |r| = " + brief(norm) + " N");
       result.work_history.push_back(
-        absolute_product(equation.residual(), increment));
+        absolute_product(equation.system().residual, increment));
       reference = std::min(reference, result.work_history.front());
       result.is_converged =
         equation.is_settled() &&
@@ -237,10 +238,10 @@ namespace emmy
     bool
     is_round_off(const double norm_before) const
     {
-      return norm <= force_round_off * equation.scale() &&
+      return norm <= force_round_off * equation.system().scale &&
              (norm > 0.5 * norm_before ||
-              absolute_product(equation.residual(), solution) <=
-                work_round_off * equation.work_scale());
+              absolute_product(equation.system().residual, solution) <=
+                work_round_off * equation.system().work_scale);
     }
 
     /**
@@ -265,9 +266,9 @@ namespace emmy
     bool
     is_left_over() const
     {
-      return norm <= singular_tolerance * equation.scale() &&
-             absolute_product(equation.residual(), solution) <=
-               singular_tolerance * equation.work_scale();
+      return norm <= singular_tolerance * equation.system().scale &&
+             absolute_product(equation.system().residual, solution) <=
+               singular_tolerance * equation.system().work_scale;
     }
 
     const Newton      &newton;
@@ -342,7 +343,7 @@ namespace emmy
         // beyond a kink an increment can do harm
         for (unsigned int halving = 0;
              has_meaning && iteration.equation.has_kinks() && halving < 5 &&
-             iteration.equation.residual().l2_norm() > iteration.norm;
+             iteration.equation.system().residual.l2_norm() > iteration.norm;
              ++halving)
           {
             iteration.equation.halve(iteration.solution, iteration.increment);
@@ -372,8 +373,8 @@ namespace emmy
       return;
     const auto  &equation = iteration.equation;
     const Vector diagonal =
-      diagonal_of(iteration.equation.jacobian(), iteration.solution);
-    double measure = scaled_norm(equation.residual(), diagonal);
+      diagonal_of(iteration.equation.system().jacobian, iteration.solution);
+    double measure = scaled_norm(equation.system().residual, diagonal);
     for (double mu = first_damping; iteration.may_go_on();)
       {
         if (!iteration.find_increment(mu))
@@ -381,7 +382,7 @@ namespace emmy
         const bool   has_meaning    = iteration.take();
         const double measure_before = measure;
         if (has_meaning)
-          measure = scaled_norm(equation.residual(), diagonal);
+          measure = scaled_norm(equation.system().residual, diagonal);
         const bool is_better = has_meaning && measure < measure_before;
         if (is_better && iteration.is_converged())
           return;

@@ -50,7 +50,7 @@ namespace emmy
   {
     return std::any_of(effects.terms.begin(),
                        effects.terms.end(),
-                       [](const auto &term) { return term->gives_motion(); });
+                       [](const auto &term) { return term->given_motion(); });
   }
 
   template <int dim>
@@ -60,8 +60,8 @@ namespace emmy
                                Phases                *phases) const
   {
     Vector velocity = active.make_vector();
-    for_each(phases, &Effect<dim>::gives_motion, [&](Effect<dim> &effect) {
-      effect.add_given_velocity(active, time, velocity);
+    for_each(phases, &Effect<dim>::given_motion, [&](Effect<dim> &effect) {
+      effect.given_motion()->add_velocity(active, time, velocity);
     });
     return velocity;
   }
@@ -74,8 +74,11 @@ namespace emmy
                                        Vector                &displacement,
                                        Phases                *phases) const
   {
-    for_each(phases, &Effect<dim>::gives_motion, [&](Effect<dim> &effect) {
-      effect.add_given_displacement(active, time, time_step, displacement);
+    for_each(phases, &Effect<dim>::given_motion, [&](Effect<dim> &effect) {
+      effect.given_motion()->add_displacement(active,
+                                              time,
+                                              time_step,
+                                              displacement);
     });
   }
 
@@ -84,8 +87,8 @@ namespace emmy
   Balance<dim>::reaction_work() const
   {
     for (const auto &term : effects.terms)
-      if (const std::string column = term->reaction_work(); !column.empty())
-        return column;
+      if (const GivenMotion<dim> *motion = term->given_motion())
+        return motion->work_column();
     return "";
   }
 
@@ -162,7 +165,8 @@ namespace emmy
       result.hand_out_mass = [this](const ActiveGrid<dim> &active,
                                     const MassReceiver    &receive) {
         for (const auto &term : effects.terms)
-          term->add_mass(active, receive);
+          if (const AddedMass<dim> *mass = term->added_mass())
+            mass->hand_out(active, receive);
       };
     return result;
   }
@@ -174,13 +178,13 @@ namespace emmy
                             Phases                *phases) const
   {
     std::vector<EnergyEntry> entries;
-    for_each(phases, &Effect<dim>::couples, [&](Effect<dim> &effect) {
-      if (const std::string name = effect.mass_loss(); !name.empty())
-        entries.push_back(
-          {name,
-           EnergyEntry::Kind::dissipated,
-           dealii::Utilities::MPI::sum(effect.kinetic_energy(active, change),
-                                       active.communicator())});
+    for_each(phases, &Effect<dim>::added_mass, [&](Effect<dim> &effect) {
+      const AddedMass<dim> &mass = *effect.added_mass();
+      entries.push_back(
+        {mass.loss_column(),
+         EnergyEntry::Kind::dissipated,
+         dealii::Utilities::MPI::sum(mass.kinetic_energy(active, change),
+                                     active.communicator())});
     });
     return entries;
   }
@@ -191,8 +195,9 @@ namespace emmy
   {
     std::vector<EnergyEntry> entries;
     for (const auto &term : effects.terms)
-      if (const std::string name = term->mass_loss(); !name.empty())
-        entries.push_back({name, EnergyEntry::Kind::dissipated, 0.});
+      if (const AddedMass<dim> *mass = term->added_mass())
+        entries.push_back(
+          {mass->loss_column(), EnergyEntry::Kind::dissipated, 0.});
     return entries;
   }
 

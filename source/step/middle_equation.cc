@@ -280,31 +280,10 @@ namespace emmy
   }
 
   template <int dim>
-  const Vector &
-  MiddleEquation<dim>::residual() const
+  NewtonSystem
+  MiddleEquation<dim>::system()
   {
-    return step_equation->residual();
-  }
-
-  template <int dim>
-  const Vector &
-  MiddleEquation<dim>::reduced_residual() const
-  {
-    return step_equation->reduced_residual();
-  }
-
-  template <int dim>
-  const NodePlaces *
-  MiddleEquation<dim>::node_places() const
-  {
-    return step_equation->node_places();
-  }
-
-  template <int dim>
-  Matrix &
-  MiddleEquation<dim>::jacobian()
-  {
-    return step_equation->jacobian();
+    return step_equation->system();
   }
 
   template <int dim>
@@ -312,20 +291,6 @@ namespace emmy
   MiddleEquation<dim>::expand(Vector &increment) const
   {
     step_equation->expand(increment);
-  }
-
-  template <int dim>
-  double
-  MiddleEquation<dim>::scale() const
-  {
-    return step_equation->scale();
-  }
-
-  template <int dim>
-  double
-  MiddleEquation<dim>::work_scale() const
-  {
-    return step_equation->work_scale();
   }
 
   template <int dim>

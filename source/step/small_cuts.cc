@@ -215,7 +215,7 @@ namespace emmy
   {
     const double factor = inertia_factor(time_step);
     Matrix       result;
-    result.copy_from(equation.jacobian());
+    result.copy_from(equation.system().jacobian);
     result.add(-factor, start.damped_mass);
     result.add(factor, examined_mass(start));
     return result;

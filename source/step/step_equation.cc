@@ -87,10 +87,15 @@ namespace emmy
   }
 
   template <int dim>
-  const Vector &
-  StepEquation<dim>::reduced_residual() const
+  NewtonSystem
+  StepEquation<dim>::system()
   {
-    return step.moving ? with_places : free_residual;
+    return {free_residual,
+            step.moving ? with_places : free_residual,
+            tangent,
+            force_scale,
+            total_work,
+            &step.start.active->places()};
   }
 
   template <int dim>
@@ -112,45 +117,10 @@ namespace emmy
   }
 
   template <int dim>
-  const Vector &
-  StepEquation<dim>::residual() const
-  {
-    return free_residual;
-  }
-
-  template <int dim>
-  Matrix &
-  StepEquation<dim>::jacobian()
-  {
-    return tangent;
-  }
-
-  template <int dim>
-  const NodePlaces *
-  StepEquation<dim>::node_places() const
-  {
-    return &step.start.active->places();
-  }
-
-  template <int dim>
   void
   StepEquation<dim>::expand(Vector &increment) const
   {
     step.start.active->constraints().expand(increment);
-  }
-
-  template <int dim>
-  double
-  StepEquation<dim>::scale() const
-  {
-    return force_scale;
-  }
-
-  template <int dim>
-  double
-  StepEquation<dim>::work_scale() const
-  {
-    return total_work;
   }
 
   template <int dim>
@@ -192,6 +162,13 @@ namespace emmy
   StepEquation<dim>::problem() const
   {
     return found;
+  }
+
+  template <int dim>
+  const Vector &
+  StepEquation<dim>::residual() const
+  {
+    return free_residual;
   }
 
   template <int dim>

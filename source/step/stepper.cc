@@ -95,7 +95,7 @@ namespace emmy
              (solution.newton.leaves_rest
                 ? "; |r| stays at " +
                     brief(solution.equation().residual().l2_norm() /
-                          solution.equation().scale()) +
+                          solution.equation().system().scale) +
                     " of the forces"
                 : std::string()));
     return solution;

@@ -145,7 +145,7 @@ namespace
       entry = uniform(random_numbers);
     equation.expand(direction);
     Vector expected = solution;
-    equation.jacobian().vmult(expected, direction);
+    equation.system().jacobian.vmult(expected, direction);
     start.active->constraints().set_zero(expected); // followers have none
     double error = 0.;
     for (const double h : {1e-6, 1e-7})

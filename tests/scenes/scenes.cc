@@ -285,7 +285,7 @@ namespace
     check(newton.is_converged, "quadratic convergence: converged");
 
     const auto  &r           = newton.residual_history;
-    const double f           = equation->scale();
+    const double f           = equation->system().scale;
     unsigned int n_quadratic = 0;
     for (unsigned int k = 1; k + 1 < r.size(); ++k)
       {

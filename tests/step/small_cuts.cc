@@ -242,7 +242,7 @@ namespace
           ghosts.couple(stencils, grid, walls, couplings);
           couplings.hand_out_mass = [&](const ActiveGrid<2> &active,
                                         const MassReceiver  &receive) {
-            ghosts.add_mass(active, receive);
+            ghosts.hand_out(active, receive);
           };
         }
       const auto &start = particles_to_grid(stencils, points, couplings);

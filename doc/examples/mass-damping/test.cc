@@ -113,8 +113,8 @@ namespace
                      .residual_history;
     unsigned int n_quadratic = 0;
     for (unsigned int k = 1; k + 1 < r.size(); ++k)
-      if (const double old = r[k] / equation->scale(),
-          now              = r[k + 1] / equation->scale();
+      if (const double old = r[k] / equation->system().scale,
+          now              = r[k + 1] / equation->system().scale;
           old < 1e-2 && now > 1e-14) // until round-off takes over
         {
           ++n_quadratic;

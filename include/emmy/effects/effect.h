@@ -4,6 +4,8 @@
 #include <emmy/base/library.h>
 #include <emmy/base/phases.h>
 #include <emmy/base/section.h>
+#include <emmy/effects/added_mass.h>
+#include <emmy/effects/given_motion.h>
 #include <emmy/effects/velocity_map.h>
 #include <emmy/material/material.h>
 #include <emmy/system/couplings.h>
@@ -136,31 +138,11 @@ namespace emmy
       (void)couplings;
     }
 
-    /**
-     * The column of the ledger that has what the effect's own mass G loses,
-     * Delta v . G Delta v / 2 in a step; empty if it has none.
-     */
-    virtual std::string
-    mass_loss() const
+    /** Its own mass; null: it has none. */
+    virtual const AddedMass<dim> *
+    added_mass() const
     {
-      return "";
-    }
-
-    /** Hand out G, block by block, with no damping. */
-    virtual void
-    add_mass(const ActiveGrid<dim> &active, const MassReceiver &receive) const
-    {
-      (void)active;
-      (void)receive;
-    }
-
-    /** v . G v / 2, this rank's share, J. */
-    virtual double
-    kinetic_energy(const ActiveGrid<dim> &active, const Vector &velocity) const
-    {
-      (void)active;
-      (void)velocity;
-      return 0.;
+      return nullptr;
     }
 
     /**
@@ -173,50 +155,11 @@ namespace emmy
       return nullptr;
     }
 
-    /**
-     * Whether the effect gives a motion to components that essential conditions
-     * fix; without one they rest.
-     */
-    virtual bool
-    gives_motion() const
+    /** The motion that it gives to fixed components; null: none. */
+    virtual const GivenMotion<dim> *
+    given_motion() const
     {
-      return false;
-    }
-
-    /**
-     * Add to @p velocity, m/s, that of fixed unknowns at a time, s. Collective.
-     */
-    virtual void
-    add_given_velocity(const ActiveGrid<dim> &active,
-                       const double           time,
-                       Vector                &velocity) const
-    {
-      (void)active;
-      (void)time;
-      (void)velocity;
-    }
-
-    /** The same of the displacement over a step from @p time on, m. */
-    virtual void
-    add_given_displacement(const ActiveGrid<dim> &active,
-                           const double           time,
-                           const double           time_step,
-                           Vector                &displacement) const
-    {
-      (void)active;
-      (void)time;
-      (void)time_step;
-      (void)displacement;
-    }
-
-    /**
-     * The column of the ledger that has the work of what holds fixed unknowns;
-     * empty if the effect brings none.
-     */
-    virtual std::string
-    reaction_work() const
-    {
-      return "";
+      return nullptr;
     }
 
     /**

@@ -31,7 +31,7 @@ namespace emmy
    * u.K_G u/2 is lost in each step.
    */
   template <int dim>
-  class GhostStabilisation : public Effect<dim>
+  class GhostStabilisation : public Effect<dim>, public AddedMass<dim>
   {
   public:
     explicit GhostStabilisation(GhostFaces<dim> find);
@@ -44,14 +44,16 @@ namespace emmy
            const BackgroundGrid<dim>     &grid,
            const BoundaryConditions<dim> &boundary_conditions,
            Couplings<dim>                &couplings) override;
-    std::string
-    mass_loss() const override;
+    const AddedMass<dim> *
+    added_mass() const override;
     void
-    add_mass(const ActiveGrid<dim> &active,
+    hand_out(const ActiveGrid<dim> &active,
              const MassReceiver    &receive) const override;
     double
     kinetic_energy(const ActiveGrid<dim> &active,
                    const Vector          &velocity) const override;
+    std::string
+    loss_column() const override;
 
     bool
     is_force() const override;

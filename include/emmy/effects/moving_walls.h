@@ -35,7 +35,7 @@ namespace emmy
    * owned nodes for each velocity and displacement.
    */
   template <int dim>
-  class MovingWalls : public Effect<dim>
+  class MovingWalls : public Effect<dim>, public GivenMotion<dim>
   {
   public:
     /**
@@ -61,19 +61,19 @@ namespace emmy
     memory() const override;
     void
     recall(const std::vector<std::vector<double>> &parts) override;
-    bool
-    gives_motion() const override;
+    const GivenMotion<dim> *
+    given_motion() const override;
     /** Throws ExcRun on all ranks if a velocity is not finite. */
     void
-    add_given_velocity(const ActiveGrid<dim> &active,
-                       const double           time,
-                       Vector                &velocity) const override;
+    add_velocity(const ActiveGrid<dim> &active,
+                 const double           time,
+                 Vector                &velocity) const override;
     /** The integral of the velocities, by a Gauss rule with four points. */
     void
-    add_given_displacement(const ActiveGrid<dim> &active,
-                           const double           time,
-                           const double           time_step,
-                           Vector                &displacement) const override;
+    add_displacement(const ActiveGrid<dim> &active,
+                     const double           time,
+                     const double           time_step,
+                     Vector                &displacement) const override;
     /** Throws ExcRun if walls would have moved too far along a normal. */
     void
     check_step(const double       time,
@@ -82,7 +82,7 @@ namespace emmy
     void
     end_step(const double time, const double time_step) override;
     std::string
-    reaction_work() const override;
+    work_column() const override;
 
   private:
     /** A vector for each side of the grid. */

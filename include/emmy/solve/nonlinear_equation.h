@@ -7,6 +7,26 @@
 
 namespace emmy
 {
+  /** What an evaluation of an equation r(u) = 0 leaves for Newton; borrowed. */
+  struct NewtonSystem
+  {
+    /**
+     * r on free unknowns, with what their followers hand over to them; zero on
+     * constrained ones.
+     */
+    const Vector &residual;
+    /**
+     * What an increment is found from: the residual, with the share of unknowns
+     * that the equation eliminates by itself.
+     */
+    const Vector &reduced_residual;
+    Matrix       &jacobian;        ///< dr/du; Newton may add to it
+    double        scale      = 0.; ///< size of the forces that balance in r, N
+    double        work_scale = 0.; ///< of their works, sum |F||u|, J
+    /** Where the nodes of the unknowns are now; null: that is not known. */
+    const NodePlaces *node_places = nullptr;
+  };
+
   /** r(u) = 0, as Newton sees it: neither particles nor materials. */
   class NonlinearEquation
   {
@@ -14,7 +34,7 @@ namespace emmy
     virtual ~NonlinearEquation() = default;
 
     /**
-     * Evaluate residual() and, if asked for, jacobian() at @p solution.
+     * Evaluate the system at @p solution, its jacobian only if asked for.
      * Collective.
      * @return false on all ranks if the equation has no meaning there;
      *   problem() says why.
@@ -22,45 +42,13 @@ namespace emmy
     virtual bool
     evaluate(const Vector &solution, const bool with_jacobian) = 0;
 
-    /**
-     * r on free unknowns, with what their followers hand over to them; zero on
-     * constrained ones.
-     */
-    virtual const Vector &
-    residual() const = 0;
-
-    /**
-     * What an increment is found from: residual(), with the share of unknowns
-     * that the equation eliminates by itself.
-     */
-    virtual const Vector &
-    reduced_residual() const
-    {
-      return residual();
-    }
-
-    /** The derivative of r; Newton may add to it before it solves. */
-    virtual Matrix &
-    jacobian() = 0;
-
-    /** Where the nodes of the unknowns are now; null: that is not known. */
-    virtual const NodePlaces *
-    node_places() const
-    {
-      return nullptr;
-    }
+    /** That of the last evaluation. */
+    virtual NewtonSystem
+    system() = 0;
 
     /** Give followers in an increment the values of their roots. Collective. */
     virtual void
     expand(Vector &increment) const = 0;
-
-    /** The size of the forces that balance in r, in the 2-norm. */
-    virtual double
-    scale() const = 0;
-
-    /** The size of the works of these forces: sum |F||u| over all of them. */
-    virtual double
-    work_scale() const = 0;
 
     /**
      * How far an increment of the solution goes, dimensionless: where it is

@@ -150,10 +150,10 @@ namespace emmy
 
   private:
     friend class StepEquation<dim>;
-    /** Call a hook of each term, its time booked to its effect. */
-    template <class Hook>
+    /** Call a hook of each term that has it, its time booked to its effect. */
+    template <class Has, class Hook>
     void
-    for_each(Phases *phases, bool (Effect<dim>::*has)() const, Hook hook) const;
+    for_each(Phases *phases, Has (Effect<dim>::*has)() const, Hook hook) const;
 
     const Effects<dim>                effects;
     std::unique_ptr<VelocityMap<dim>> map_of_method;
@@ -161,10 +161,10 @@ namespace emmy
   };
 
   template <int dim>
-  template <class Hook>
+  template <class Has, class Hook>
   void
   Balance<dim>::for_each(Phases *phases,
-                         bool (Effect<dim>::*has)() const,
+                         Has (Effect<dim>::*has)() const,
                          Hook hook) const
   {
     for (std::size_t i = 0; i < effects.terms.size(); ++i)

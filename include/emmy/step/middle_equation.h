@@ -44,20 +44,10 @@ namespace emmy
 
     bool
     evaluate(const Vector &solution, const bool with_jacobian) override;
-    const Vector &
-    residual() const override;
-    const Vector &
-    reduced_residual() const override;
-    Matrix &
-    jacobian() override;
-    const NodePlaces *
-    node_places() const override;
+    NewtonSystem
+    system() override;
     void
     expand(Vector &increment) const override;
-    double
-    scale() const override;
-    double
-    work_scale() const override;
     double
     size(const Vector &increment) const override;
     bool

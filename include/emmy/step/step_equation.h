@@ -15,21 +15,11 @@ namespace emmy
 
     bool
     evaluate(const Vector &solution, const bool with_jacobian) override;
-    const Vector &
-    residual() const override;
-    /** With the share of places that follow. */
-    const Vector &
-    reduced_residual() const override;
-    Matrix &
-    jacobian() override;
-    const NodePlaces *
-    node_places() const override;
+    /** The reduced residual has the share of places that follow. */
+    NewtonSystem
+    system() override;
     void
     expand(Vector &increment) const override;
-    double
-    scale() const override;
-    double
-    work_scale() const override;
     /**
      * The largest norm of a displacement gradient at a particle; where it is
      * surely below 0.1, an upper bound.
@@ -52,6 +42,10 @@ namespace emmy
     /** What this equation was made over. */
     const StepData<dim> &
     data() const;
+
+    /** r on free unknowns, see NewtonSystem. */
+    const Vector &
+    residual() const;
 
     /** The residual before constraints: the reactions on fixed unknowns. */
     const Vector &
