@@ -1,6 +1,7 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
 #include <emmy/effects/moving_places.h>
+#include <emmy/effects/tool_surface.h>
 #include <emmy/effects/tools.h>
 
 #include <algorithm>
@@ -446,6 +447,19 @@ namespace emmy
         for (unsigned int i = 0; i < values.size(); ++i)
           result.push_back({names[i], values[i]});
       }
+    return result;
+  }
+
+  template <int dim>
+  std::vector<Surface<dim>>
+  Tools<dim>::surfaces(const double              time,
+                       const dealii::Point<dim> &lower,
+                       const dealii::Point<dim> &upper) const
+  {
+    std::vector<Surface<dim>> result;
+    for (const Tool<dim> &tool : tools)
+      result.push_back(
+        surface_of(*tool.shape, tool.motion, time, lower, upper));
     return result;
   }
 

@@ -327,6 +327,8 @@ namespace emmy
 
   template class DataFile<0, 2>;
   template class DataFile<0, 3>;
+  template class DataFile<1, 2>;
   template class DataFile<2, 2>;
+  template class DataFile<2, 3>;
   template class DataFile<3, 3>;
 } // namespace emmy

@@ -223,6 +223,14 @@ namespace emmy
                                       "(radius):4")
                << " with circles lw 0.2 lc palette fill solid "
                << (picture.dim == 2 ? "noborder" : "border lc rgb '#303030'");
+      const std::string &surfaces = picture.panels[index].surfaces;
+      if (!surfaces.empty())
+        script << ", \\\n  " << gnuplot::quoted(surfaces) << " using "
+               << (picture.dim == 2
+                     ? "1:2 with lines lw 1.2 lc rgb '#c00000'"
+                     : "(right($1,$2,$3)):(up($1,$2,$3)) with filledcurves "
+                       "closed fs transparent solid 0.12 noborder "
+                       "lc rgb '#c00000'");
       script << "\n";
     }
   } // namespace

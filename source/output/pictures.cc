@@ -1,4 +1,6 @@
 #include <emmy/base/whole_file.h>
+#include <emmy/output/energy_pictures.h>
+#include <emmy/output/force_picture.h>
 #include <emmy/output/gnuplot.h>
 #include <emmy/output/pictures.h>
 
@@ -20,122 +22,11 @@ namespace emmy
     namespace fs = std::filesystem;
     using dealii::Point;
 
-    /** A column of the ledger and how its curve is drawn. */
-    struct Curve
-    {
-      const char *column, *name, *style;
-    };
-
-    // Colours of Okabe and Ito, which the colour-blind can tell apart. The
-    // energies of the body, then where energy went; they add up to "total".
-    const std::vector<Curve> energies = {
-      {"kinetic_energy", "kinetic", "lc rgb '#0072b2'"},
-      {"strain_energy", "strain", "lc rgb '#d55e00'"},
-      {"hardening_energy", "hardening", "lc rgb '#cc79a7'"},
-      {"contact_energy", "contact", "lc rgb '#e69f00'"},
-      {"friction_energy", "friction, stored", "lc rgb '#56b4e9'"},
-      {"friction_dissipation",
-       "friction, dissipated",
-       "lc rgb '#56b4e9' dt (4,4)"},
-      {"plastic_dissipation", "plastic dissipation", "lc rgb '#009e73'"},
-      {"stress_rule_loss", "stress rule loss", "lc rgb '#d55e00' dt (10,4)"},
-      {"lumping_loss", "lumping loss", "lc rgb '#e69f00' dt (10,4)"},
-      {"mapping_loss", "mapping loss", "lc rgb '#56b4e9' dt (10,4)"},
-      {"wall_loss", "wall loss", "lc rgb '#0072b2' dt (10,4)"},
-      {"ghost_mass_loss", "ghost mass loss", "lc rgb '#cc79a7' dt (4,4)"},
-      {"ghost_stiffness_loss",
-       "ghost stiffness loss",
-       "lc rgb '#009e73' dt (4,4)"}};
-
-    /** The file of the particles of a snapshot. */
+    /** The file of a snapshot's particles or surfaces. */
     std::string
-    snapshot_name(const std::size_t number)
+    snapshot_name(const std::string &of, const std::size_t number)
     {
-      return "particles_" + dealii::Utilities::to_string(number, 2) + ".dat";
-    }
-
-
-    std::vector<Curve>
-    present(const std::vector<Curve>       &curves,
-            const std::vector<std::string> &columns)
-    {
-      std::vector<Curve> found;
-      for (const Curve &curve : curves)
-        if (std::find(columns.begin(), columns.end(), curve.column) !=
-            columns.end())
-          found.push_back(curve);
-      return found;
-    }
-
-
-    /**
-     * The columns of what was brought in from outside: works of loads, of
-     * what holds unknowns, of tools; not what solves left.
-     */
-    std::vector<std::string>
-    works_among(const std::vector<std::string> &columns)
-    {
-      const std::string        ending = "_work";
-      std::vector<std::string> found;
-      for (const std::string &column : columns)
-        if (column.size() > ending.size() && column != "residual_work" &&
-            column.compare(column.size() - ending.size(),
-                           ending.size(),
-                           ending) == 0)
-          found.push_back(column);
-      return found;
-    }
-
-
-    /** The sum of the columns as a gnuplot expression; 0 of none. */
-    std::string
-    sum(const std::vector<std::string> &columns)
-    {
-      std::string terms = "0";
-      for (const std::string &column : columns)
-        terms += " + column('" + column + "')";
-      return terms;
-    }
-
-
-    std::string
-    sum(const std::vector<Curve> &curves)
-    {
-      std::vector<std::string> columns;
-      for (const Curve &curve : curves)
-        columns.push_back(curve.column);
-      return sum(columns);
-    }
-
-
-    /**
-     * How curves over time look below a key with so many rows, and the energy
-     * at the start of the run.
-     */
-    void
-    write_frame(std::ostream             &script,
-                const std::string        &title,
-                const std::vector<Curve> &stored,
-                const unsigned int        n_key_rows)
-    {
-      script << "set datafile separator comma\n"
-             << "set datafile columnheaders\n"
-             << "ledger = '../ledger.csv'\n"
-             << "stats ledger using (" << sum(stored)
-             << ") every ::0::0 nooutput name 'first'\n"
-             << "stats ledger using (" << sum(stored)
-             << ") nooutput name 'all'\n"
-             << "initial = first_max\n\n"
-             << "set label 1 " << gnuplot::quoted(title)
-             << " noenhanced at screen 0.5, screen 0.965 center\n"
-             << "set tmargin " << (title.empty() ? 1.2 : 3.) + 1.25 * n_key_rows
-             << "\n"
-             << "set border 3 lw 0.6 lc rgb '#404040'\n"
-             << "set tics out nomirror scale 0.5\n"
-             << "set grid xtics ytics back lt 1 lw 0.4 lc rgb '#e2e2e2'\n"
-             << "set xlabel 'time (s)'\n"
-             << "set autoscale xfix\n"
-             << "set rmargin 5\n";
+      return of + "_" + dealii::Utilities::to_string(number, 2) + ".dat";
     }
 
 
@@ -216,8 +107,9 @@ namespace emmy
         });
       }
 
-    const std::string file = snapshot_name(particles.panels.size());
-    std::ofstream     out(fs::path(folder) / file);
+    const std::string file =
+      snapshot_name("particles", particles.panels.size());
+    std::ofstream out(fs::path(folder) / file);
     out << "# t = " << time << " s; columns: x y " << (dim == 3 ? "z " : "")
         << "(m) value\n"
         << std::setprecision(8);
@@ -235,9 +127,31 @@ namespace emmy
             particles.largest  = std::max(particles.largest, values[i]);
           }
       }
-    particles.panels.push_back({time, positions.empty() ? "" : file});
+    particles.panels.push_back({time, positions.empty() ? "" : file, ""});
     if (!out.flush())
       cannot_write(file);
+  }
+
+
+  template <int dim>
+  void
+  Pictures::add_surfaces(const std::vector<Surface<dim>> &surfaces)
+  {
+    if (surfaces.empty())
+      return;
+    const std::string file =
+      snapshot_name("surfaces", particles.panels.size() - 1);
+    std::ofstream out(fs::path(folder) / file);
+    for (const Surface<dim> &surface : surfaces)
+      for (const auto &facet : surface.facets)
+        {
+          for (const Point<dim> &vertex : facet)
+            out << vertex << "\n";
+          out << "\n";
+        }
+    if (!out.flush())
+      cannot_write(file);
+    particles.panels.back().surfaces = file;
   }
 
 
@@ -256,7 +170,10 @@ namespace emmy
                      highest[d],
                      particles.line_distance[d]});
     for (const auto &panel : particles.panels)
-      result.insert(result.end(), {panel.time, panel.file.empty() ? 0. : 1.});
+      result.insert(result.end(),
+                    {panel.time,
+                     panel.file.empty() ? 0. : 1.,
+                     panel.surfaces.empty() ? 0. : 1.});
     return result;
   }
 
@@ -281,9 +198,13 @@ namespace emmy
     particles.panels.clear();
     while (number != memory.end())
       {
-        const double time = next();
-        particles.panels.push_back(
-          {time, next() != 0. ? snapshot_name(particles.panels.size()) : ""});
+        const double time      = next();
+        const auto   number_of = particles.panels.size();
+        const auto   name      = [&](const char *of) {
+          return next() != 0. ? snapshot_name(of, number_of) : "";
+        };
+        const std::string of_particles = name("particles");
+        particles.panels.push_back({time, of_particles, name("surfaces")});
       }
   }
 
@@ -292,28 +213,39 @@ namespace emmy
   Pictures::draw(const std::string &value_label)
   {
     std::vector<std::string> scripts;
-    const auto               columns = ledger_columns();
-    const auto               has     = [&](const char *name) {
+    const auto write = [&](const std::string &name, const auto &write_script) {
+      std::ofstream script(fs::path(folder) / (name + ".gp"));
+      write_script(script);
+      if (!script.flush())
+        cannot_write(name + ".gp");
+      scripts.push_back(name);
+    };
+    const auto columns = ledger_columns();
+    const auto has     = [&](const char *name) {
       return std::find(columns.begin(), columns.end(), name) != columns.end();
     };
     if (has("time") && has("kinetic_energy") && has("strain_energy"))
       {
-        write_energies(columns);
-        scripts.push_back("energies");
+        write("energies", [&](std::ostream &script) {
+          write_energies_script(script, title, columns);
+        });
         if (has("balance_error"))
-          {
-            write_balance_error(columns);
-            scripts.push_back("balance_error");
-          }
+          write("balance_error", [&](std::ostream &script) {
+            write_balance_error_script(script, title, columns);
+          });
       }
     else
       warnings.push_back("there is no ledger.csv with the columns time, "
                          "kinetic_energy and strain_energy in " +
                          directory + ": energies were not drawn");
+    for (const ForcePicture &force : force_pictures(columns))
+      write(force.name,
+            [&](std::ostream &script) { force.write_script(script, title); });
     if (!particles.panels.empty())
       {
-        write_particles(value_label);
-        scripts.push_back("particles");
+        arrange_particles(value_label);
+        write("particles",
+              [&](std::ostream &script) { particles.write_script(script); });
       }
 
     std::error_code ignored;
@@ -347,79 +279,7 @@ namespace emmy
 
 
   void
-  Pictures::write_energies(const std::vector<std::string> &columns)
-  {
-    const std::vector<Curve>       stored  = present(energies, columns);
-    const std::vector<std::string> outside = works_among(columns);
-    const std::size_t n_curves = stored.size() + (outside.empty() ? 1 : 2);
-
-    std::ofstream script(fs::path(folder) / "energies.gp");
-    gnuplot::write_preamble(script, "energies", gnuplot::Canvas());
-    write_frame(script, title, stored, (n_curves + 2) / 3);
-    // Round-off below zero shall not open the axis down to the next tic.
-    script << "lowest = 0.0\n";
-    for (const Curve &curve : stored)
-      script << "stats ledger using (column('" << curve.column
-             << "')) nooutput name 'one'\n"
-             << "lowest = one_min < lowest ? one_min : lowest\n";
-    script << "set yrange [(lowest < -1e-4*all_max ? lowest : 0.0):*]\n"
-           << "set offsets graph 0, 0, 0.04, 0\n";
-    script << "set ylabel 'energy (J)'\n"
-           << "set key at screen 0.5, screen " << (title.empty() ? 0.99 : 0.94)
-           << " center top horizontal maxcols 3 Left reverse samplen 2\n\n"
-           << "plot \\\n";
-    if (!outside.empty())
-      script << "  ledger using (column('time')):(initial + " << sum(outside)
-             << ") with lines lw 3.5 lc rgb '#c8c8c8' "
-                "title 'initial + external work', \\\n";
-    script << "  ledger using (column('time')):(" << sum(stored)
-           << ") with lines lw 1.2 lc rgb '#000000' title 'total'";
-    for (const Curve &curve : stored)
-      script << ", \\\n  ledger using (column('time')):(column('"
-             << curve.column << "')) with lines lw 1.2 " << curve.style
-             << " title '" << curve.name << "'";
-    script << "\n";
-    if (!script.flush())
-      cannot_write("energies.gp");
-  }
-
-
-  void
-  Pictures::write_balance_error(const std::vector<std::string> &columns)
-  {
-    const std::vector<Curve> stored = present(energies, columns);
-
-    gnuplot::Canvas canvas;
-    canvas.height = 1000.;
-    std::ofstream script(fs::path(folder) / "balance_error.gp");
-    gnuplot::write_preamble(script, "balance_error", canvas);
-    write_frame(script, title, stored, 0);
-    script
-      << "# A body that starts from rest has no energy to compare with.\n"
-      << "at_rest = initial <= 1e-6*all_max\n"
-      << "scale = !at_rest ? initial : all_max > 0 ? all_max : 1.0\n"
-      << "set ylabel '|balance error| / '.(at_rest ? 'largest' : "
-         "'initial').' energy'\n\n"
-      << "# Zeros are drawn at the floor.\n"
-      << "floored(x) = abs(x)/scale > 1e-18 ? abs(x)/scale : 1e-18\n"
-      << "stats ledger using (floored(column('balance_error'))) nooutput "
-         "name 'error'\n"
-      << "set logscale y\n"
-      << "set yrange [7e-19:(error_max > 1e-12 ? 3*error_max : 1e-11)]\n"
-      << "set format y '10^{%T}'\nset ytics 1e-18,100\nset mytics 1\n"
-      << "unset key\n\n"
-      << "plot 1e-12 with lines lw 1 lc rgb '#a8a8a8', \\\n"
-      << "  ledger using (column('time')):(floored(column('balance_error'))) "
-         "with lines lw 0.5 lc rgb '#99c7e0', \\\n"
-      << "  ledger using (column('time')):(floored(column('balance_error'))) "
-         "with points pt 7 ps 0.35 lc rgb '#0072b2'\n";
-    if (!script.flush())
-      cannot_write("balance_error.gp");
-  }
-
-
-  void
-  Pictures::write_particles(const std::string &value_label)
+  Pictures::arrange_particles(const std::string &value_label)
   {
     particles.title       = title;
     particles.value_label = value_label;
@@ -450,11 +310,6 @@ namespace emmy
       }
     if (particles.spacing == 0.)
       particles.spacing = 0.1 * particles.line_distance[0];
-
-    std::ofstream script(fs::path(folder) / "particles.gp");
-    particles.write_script(script);
-    if (!script.flush())
-      cannot_write("particles.gp");
   }
 
 
@@ -466,6 +321,10 @@ namespace emmy
   }
 
 
+  template void
+  Pictures::add_surfaces(const std::vector<Surface<2>> &);
+  template void
+  Pictures::add_surfaces(const std::vector<Surface<3>> &);
   template void
   Pictures::add_snapshot<2>(const double,
                             const std::vector<Point<2>> &,

@@ -212,7 +212,7 @@ namespace emmy
   RunDirectory::remove_frames_from(const unsigned int number) const
   {
     static const std::regex ours(
-      "(particles|grid)_([0-9]{4,9})(\\.[0-9]+)?\\.p?vtu(\\.new)?");
+      "(particles|grid|surfaces)_([0-9]{4,9})(\\.[0-9]+)?\\.p?vtu(\\.new)?");
     std::error_code              error;
     fs::directory_iterator       entry(directory, error);
     const fs::directory_iterator end;

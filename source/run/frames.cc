@@ -43,6 +43,10 @@ namespace emmy
                       communicator,
                       &state.particle_files)
     , grid_series(directory.path(), "grid", communicator, &state.grid_files)
+    , surface_series(directory.path(),
+                     "surfaces",
+                     communicator,
+                     &state.surface_files)
     , picture_times(wanted.picture_times.empty()
                       ? default_picture_times<dim>(end_time)
                       : wanted.picture_times)
@@ -94,6 +98,7 @@ namespace emmy
       directory.remove_frames_from(state.n_frames);
     particle_series.write();
     grid_series.write();
+    surface_series.write();
   }
 
   template <int dim>
@@ -155,6 +160,8 @@ namespace emmy
       write_particles(time);
     if (wanted.grid_files && with_grid)
       write_grid(time);
+    if (wanted.particle_files)
+      write_surfaces(time);
     state.last_frame = time;
     ++state.n_frames;
   }
@@ -259,6 +266,47 @@ namespace emmy
   }
 
   template <int dim>
+  std::vector<Surface<dim>>
+  Frames<dim>::surfaces(const double time) const
+  {
+    return scene.balance.surfaces(time,
+                                  scene.grid.lower_corner(),
+                                  scene.grid.upper_corner());
+  }
+
+  template <int dim>
+  void
+  Frames<dim>::write_surfaces(const double time)
+  {
+    const auto shown = is_first ? surfaces(time) : std::vector<Surface<dim>>();
+    if (!dealii::Utilities::MPI::broadcast(communicator, !shown.empty()))
+      return;
+    DataFile<dim - 1, dim> file(std::vector<FieldDescription>{
+      {"surface", 1, "1", "number of the tool, in the order of their names"}});
+    for (unsigned int i = 0; i < shown.size(); ++i)
+      for (const auto &facet : shown[i].facets)
+        {
+          // a triangle is a quadrilateral with one side of no length
+          std::array<dealii::Point<dim>, 1u << (dim - 1)> vertices;
+          std::array<double, 1u << (dim - 1)>             values;
+          for (unsigned int v = 0; v < vertices.size(); ++v)
+            {
+              vertices[v] = facet[std::min<unsigned int>(v, dim - 1)];
+              values[v]   = i;
+            }
+          file.add_cell(vertices,
+                        dealii::ArrayView<const double>(values.data(),
+                                                        values.size()));
+        }
+    surface_series.add(time,
+                       file.write(directory.path(),
+                                  "surfaces",
+                                  state.n_frames,
+                                  time,
+                                  communicator));
+  }
+
+  template <int dim>
   void
   Frames<dim>::take_picture(const double time)
   {
@@ -296,6 +344,7 @@ namespace emmy
                                 scene.grid.lower_corner(),
                                 scene.grid.upper_corner(),
                                 scene.grid.n_cells());
+    pictures->add_surfaces(surfaces(time));
     state.pictures = pictures->memory();
   }
 

@@ -185,8 +185,9 @@ namespace emmy
   {
     recall(saved, scene);
     if (saved.is_failure) // its folder has no frames
-      for (auto *files :
-           {&scene.state.frames.particle_files, &scene.state.frames.grid_files})
+      for (auto *files : {&scene.state.frames.particle_files,
+                          &scene.state.frames.grid_files,
+                          &scene.state.frames.surface_files})
         files->clear();
     const MPI_Comm communicator = scene.grid.communicator();
     const bool     is_first =

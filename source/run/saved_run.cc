@@ -59,9 +59,10 @@ namespace boost
              reached,
              files,
              grids,
+             surfaces,
              pictures] = state;
       archive &intervals &frames &n_pictures &frame &picture &reached;
-      archive &files &grids                                  &pictures;
+      archive &files &grids &surfaces                        &pictures;
     }
 
     template <class Archive>

@@ -202,6 +202,19 @@ namespace emmy
   }
 
   template <int dim>
+  std::vector<Surface<dim>>
+  Balance<dim>::surfaces(const double              time,
+                         const dealii::Point<dim> &lower,
+                         const dealii::Point<dim> &upper) const
+  {
+    std::vector<Surface<dim>> result;
+    for (const auto &term : effects.terms)
+      for (auto &surface : term->surfaces(time, lower, upper))
+        result.push_back(std::move(surface));
+    return result;
+  }
+
+  template <int dim>
   std::vector<std::string>
   Balance<dim>::findings() const
   {

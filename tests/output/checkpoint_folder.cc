@@ -175,8 +175,8 @@ namespace
         check(reads(folder, 10), "another format of " + file.string());
         const ReadCheckpoint found = folder.read_newest(1000);
         check(found.passed_over.size() == 1 &&
-                found.passed_over[0].find("has format 2, and this emmy reads "
-                                          "format 1") != std::string::npos,
+                found.passed_over[0].find("has format 3, and this emmy reads "
+                                          "format 2") != std::string::npos,
               "and it is said");
         wait_for_all();
         if (rank() == 0)

@@ -4,6 +4,7 @@
 #include <emmy/base/library.h>
 #include <emmy/base/phases.h>
 #include <emmy/base/section.h>
+#include <emmy/base/surface.h>
 #include <emmy/effects/added_mass.h>
 #include <emmy/effects/given_motion.h>
 #include <emmy/effects/velocity_map.h>
@@ -307,6 +308,22 @@ namespace emmy
       (void)points;
       (void)time;
       (void)grid;
+      return {};
+    }
+
+    /**
+     * Surfaces to be shown beside the particles, as they are at a time, s;
+     * always the same number. Asked on one rank.
+     * @param lower,upper the box in which they are shown, m
+     */
+    virtual std::vector<Surface<dim>>
+    surfaces(const double              time,
+             const dealii::Point<dim> &lower,
+             const dealii::Point<dim> &upper) const
+    {
+      (void)time;
+      (void)lower;
+      (void)upper;
       return {};
     }
 

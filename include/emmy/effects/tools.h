@@ -113,6 +113,11 @@ namespace emmy
     measure(const PointArrays<dim>    &points,
             const double               time,
             const BackgroundGrid<dim> &grid) override;
+    /** One for each tool. */
+    std::vector<Surface<dim>>
+    surfaces(const double              time,
+             const dealii::Point<dim> &lower,
+             const dealii::Point<dim> &upper) const override;
     /** Corners that sink in deeper than ever, by more than a share of s. */
     std::string
     finding() override;

@@ -22,11 +22,13 @@ namespace emmy
    */
   struct ParticlePicture
   {
-    /** One time, and the file with columns x, y, (z,) value, if any. */
+    /** One time; files are relative to the script. */
     struct Panel
     {
       double      time; ///< s
-      std::string file; ///< relative to the script; empty: no particles
+      std::string file; ///< columns x, y, (z,) value; empty: no particles
+      /** Lines, or outlines of triangles, by x, y, (z); empty: none. */
+      std::string surfaces;
     };
 
     unsigned int dim = 2;

@@ -1,6 +1,7 @@
 #ifndef emmy_output_pictures_h
 #define emmy_output_pictures_h
 
+#include <emmy/base/surface.h>
 #include <emmy/output/particle_picture.h>
 
 #include <deal.II/base/point.h>
@@ -16,6 +17,7 @@ namespace emmy
    *  - energies.png: the energies in ledger.csv against time;
    *  - balance_error.png: |balance_error| relative to the initial energy (to
    *    the largest, if the run starts from rest without load);
+   *  - forces_NAME.png: the force on a tool against its path, if it moves;
    *  - particles.png: all snapshots, coloured by a value.
    *
    * The scripts stay beside the pictures to be changed and run by hand. One
@@ -51,6 +53,14 @@ namespace emmy
                  const std::vector<unsigned int>       &n_cells);
 
     /**
+     * Show surfaces in the snapshot that was added last, in the file
+     * surfaces_NN.dat; none: nothing is written.
+     */
+    template <int dim>
+    void
+    add_surfaces(const std::vector<Surface<dim>> &surfaces);
+
+    /**
      * Write the scripts and run gnuplot on them.
      *
      * @param value_label what the values of the snapshots are, with the unit;
@@ -74,14 +84,9 @@ namespace emmy
     std::vector<std::string>
     ledger_columns() const;
 
+    /** Find what of the grid is shown, and all that panels share. */
     void
-    write_energies(const std::vector<std::string> &columns);
-
-    void
-    write_balance_error(const std::vector<std::string> &columns);
-
-    void
-    write_particles(const std::string &value_label);
+    arrange_particles(const std::string &value_label);
 
     /** Note that a file could not be written. */
     void

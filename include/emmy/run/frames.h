@@ -70,7 +70,12 @@ namespace emmy
     void
     write_grid(const double time);
     void
+    write_surfaces(const double time);
+    void
     take_picture(const double time);
+    /** What is shown beside the particles. */
+    std::vector<Surface<dim>>
+    surfaces(const double time) const;
 
     Scene<dim>  &scene;
     FramesState &state;
@@ -81,7 +86,7 @@ namespace emmy
     const MPI_Comm            communicator;
     const bool                is_first;
     std::unique_ptr<Pictures> pictures; // none unless wanted
-    Series                    particle_series, grid_series;
+    Series                    particle_series, grid_series, surface_series;
     std::vector<double>       picture_times;
   };
 } // namespace emmy

@@ -120,6 +120,12 @@ namespace emmy
     std::vector<EnergyEntry>
     mass_loss_entries() const;
 
+    /** What effects show beside the particles, see Effect::surfaces(). */
+    std::vector<Surface<dim>>
+    surfaces(const double              time,
+             const dealii::Point<dim> &lower,
+             const dealii::Point<dim> &upper) const;
+
     /** Lines for the log, of an accepted step. Collective. */
     std::vector<std::string>
     findings() const;

@@ -29,7 +29,8 @@ namespace emmy
     double       last_frame = -1., last_picture = -1.; ///< s
     double       reached = 0.; ///< pictures up to this time were due, s
     /** Time (s) and file of each frame. */
-    std::vector<std::pair<double, std::string>> particle_files, grid_files;
+    std::vector<std::pair<double, std::string>> particle_files, grid_files,
+      surface_files;
     /** On rank 0: see Pictures::memory(). */
     std::vector<double> pictures;
   };
