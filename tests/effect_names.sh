@@ -43,7 +43,7 @@ count 'wall mapping' 'wall.?mapping|(inelastic|unconstrained).?wall|wall_loss' \
   'wall_mapping' 5
 # the library, and the remedy for a side that moves along its normal
 count 'tools' 'effects/tool|<tools>|"tools"|tool_work' \
-  'tools|tool_contact|tool_motion|tool_parameters|tool_shapes' 2
+  'tools|tool_contact|tool_motion|tool_parameters|tool_shapes|tool_surface' 2
 count 'manufactured solution' 'manufactured' \
   'manufactured_solution|exact_motion' 1
 

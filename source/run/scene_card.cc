@@ -92,7 +92,8 @@ namespace emmy
           }
         for (const EffectCard &effect : account_cards(scene.mapping))
           add(effect);
-        for (const EffectCard &effect : wall_cards(scene.balance))
+        for (const EffectCard &effect :
+             wall_cards(scene.boundary_conditions, scene.balance))
           add(effect);
         add(parameters.diagnosis.card());
         for (const auto &measurement : scene.measurements)

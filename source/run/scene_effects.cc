@@ -72,6 +72,18 @@ namespace emmy
           effects.terms.push_back(std::move(walls));
           effects.name_new(MovingWalls<dim>::card(true).name);
         }
+      if (parameters.reactions.are_present)
+        {
+          AssertThrow(boundary_conditions.has_walls(),
+                      ExcParameter(parameters.reactions.path(),
+                                   "Reactions",
+                                   "true",
+                                   "no side holds anything. Name one in "
+                                   "<Fixed> or <Roller>, or set it to false."));
+          effects.terms.push_back(
+            std::make_unique<Reactions<dim>>(boundary_conditions));
+          effects.name_new(Reactions<dim>::card(nullptr).name);
+        }
       if (has_wall_mapping(parameters, boundary_conditions) &&
           !parameters.time.is_explicit())
         {
@@ -224,7 +236,8 @@ namespace emmy
 
   template <int dim>
   std::vector<EffectCard>
-  wall_cards(const Balance<dim> &balance)
+  wall_cards(const BoundaryConditions<dim> &boundary_conditions,
+             const Balance<dim>            &balance)
   {
     std::vector<EffectCard> cards;
     for (const char *kind : {"inelastic", "unconstrained"})
@@ -233,6 +246,9 @@ namespace emmy
                                balance.has(WallMapping<dim>::name(kind))));
     cards.push_back(
       MovingWalls<dim>::card(balance.has(MovingWalls<dim>::card(true).name)));
+    cards.push_back(Reactions<dim>::card(
+      balance.has(Reactions<dim>::card(nullptr).name) ? &boundary_conditions
+                                                      : nullptr));
     return cards;
   }
 
@@ -252,7 +268,8 @@ namespace emmy
   template PointMapping            make_mapping(const SceneParameters<dim> &,    \
                                                 const BoundaryConditions<dim> &, \
                                                 const Balance<dim> &);           \
-  template std::vector<EffectCard> wall_cards(const Balance<dim> &);
+  template std::vector<EffectCard> wall_cards(const BoundaryConditions<dim> &,   \
+                                              const Balance<dim> &);
   INSTANTIATE(2)
   INSTANTIATE(3)
 #undef INSTANTIATE

@@ -371,9 +371,9 @@ namespace emmy
   {
     if (!iteration.begin())
       return;
-    const auto  &equation = iteration.equation;
-    const Vector diagonal =
-      diagonal_of(iteration.equation.system().jacobian, iteration.solution);
+    NonlinearEquation &equation = iteration.equation;
+    const Vector       diagonal =
+      diagonal_of(equation.system().jacobian, iteration.solution);
     double measure = scaled_norm(equation.system().residual, diagonal);
     for (double mu = first_damping; iteration.may_go_on();)
       {

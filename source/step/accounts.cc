@@ -148,6 +148,8 @@ namespace emmy
     const Vector           &mapped = map.mapped(step.start);
     add_works(
       step.start, equation, map, motion.displacement, motion.velocity, result);
+    balance.see_reactions(*step.start.active,
+                          equation.unconstrained_residual());
     result.hidden_kinetic_energy += motion.kinetic_energy;
     const bool has_losses = mapping.lumping > 0. || mapping.flip_fraction < 1.;
     if (has_losses)

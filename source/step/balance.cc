@@ -94,6 +94,15 @@ namespace emmy
 
   template <int dim>
   void
+  Balance<dim>::see_reactions(const ActiveGrid<dim> &active,
+                              const Vector          &force) const
+  {
+    for (const auto &term : effects.terms)
+      term->see_reactions(active, force);
+  }
+
+  template <int dim>
+  void
   Balance<dim>::check_step(const double       time,
                            const double       time_step,
                            const std::string &where) const

@@ -127,6 +127,7 @@ namespace emmy
         motion.velocity_new[i] +=
           dt * (load[i] - internal[i]) / lumped.mass[i / dim];
     motion.is_fixed.resize(internal.size());
+    motion.reaction.resize(internal.size());
     if (setting.boundary_conditions.has_walls())
       set_walls(step, motion);
     for (unsigned int i = 0; i < internal.size(); ++i)
@@ -144,9 +145,12 @@ namespace emmy
         motion.stress_work += internal[i] * u;
         motion.load_work += load[i] * u;
         if (motion.is_fixed[i])
-          // through the forces of the step, and through the map
-          motion.reaction_work +=
-            (m * dv / dt - given) * u + (lumped.momentum[i] - m * v_old) * dv;
+          {
+            motion.reaction[i] = m * dv / dt - given;
+            // through the forces of the step, and through the map
+            motion.reaction_work +=
+              motion.reaction[i] * u + (lumped.momentum[i] - m * v_old) * dv;
+          }
         else if (lumped.is_massless[i / dim])
           motion.residual_work -= given * u;
       }
@@ -290,6 +294,9 @@ namespace emmy
                        books);
     for (const EnergyEntry &entry : account_entries(books, sums[2]))
       result.energies.push_back(entry);
+    if (setting.boundary_conditions.has_walls())
+      setting.method.balance.see_reactions(
+        *start.active, start.active->to_vector(motion.reaction));
     this->end_report(
       ground, trial, *start.active, books.hidden_kinetic_energy, result);
     return result;

@@ -177,6 +177,17 @@ namespace emmy
       (void)where;
     }
 
+    /**
+     * Of the step that will be accepted: the forces on the body that hold fixed
+     * unknowns, N; elsewhere what the solver left.
+     */
+    virtual void
+    see_reactions(const ActiveGrid<dim> &active, const Vector &force)
+    {
+      (void)active;
+      (void)force;
+    }
+
     /** Once a step from @p time on is accepted. */
     virtual void
     end_step(const double time, const double time_step)

@@ -4,6 +4,7 @@
 #include <emmy/base/parameter_file.h>
 #include <emmy/effects/effect.h>
 #include <emmy/effects/moving_walls.h>
+#include <emmy/effects/reactions.h>
 #include <emmy/effects/starved_nodes.h>
 #include <emmy/grid/boundary_conditions.h>
 #include <emmy/material/material.h>
@@ -130,6 +131,7 @@ namespace emmy
     NameList                                              body_names;
     std::vector<std::unique_ptr<BodyParameters<dim>>>     bodies;
     BoundaryParameters                                    boundary_conditions;
+    ReactionParameters                                    reactions;
     MovingWallParameters                                  moving_walls;
     NameList                                              effect_names;
     /** By effect name: of all effects there are, named or not. */

@@ -62,6 +62,10 @@ namespace emmy
     std::string
     reaction_work() const;
 
+    /** See Effect::see_reactions(). */
+    void
+    see_reactions(const ActiveGrid<dim> &active, const Vector &force) const;
+
     /** See Effect::check_step() and end_step(). */
     void
     check_step(const double       time,

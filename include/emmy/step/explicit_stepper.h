@@ -74,6 +74,7 @@ namespace emmy
       std::vector<double> velocity_old, velocity_new; ///< m/s
       std::vector<double> displacement;               ///< m
       std::vector<bool>   is_fixed;                   ///< by walls
+      std::vector<double> reaction;                   ///< what fixes them, N
       /** This rank's share, J. */
       double kinetic_energy_old = 0., kinetic_energy_new = 0.,
              velocity_update_loss = 0., stress_work = 0., load_work = 0.,
