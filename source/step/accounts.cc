@@ -7,21 +7,24 @@ namespace emmy
     /** Works of residuals, of what holds unknowns, and losses of the map. */
     template <int dim>
     void
-    add_works(const GridStart<dim>    &start,
+    add_works(const StepData<dim>     &step,
               const StepEquation<dim> &equation,
-              const VelocityMap<dim>  &map,
-              const Vector            &displacement,
-              const Vector            &velocity_new,
+              const Balance<dim>      &balance,
+              const GridMotion        &motion,
               StepAccounts            &result)
     {
+      const GridStart<dim>   &start        = step.start;
+      const VelocityMap<dim> &map          = balance.velocity_map();
+      const Vector           &displacement = motion.displacement;
+      const Vector reaction = free_and_fixed(start.active->constraints(),
+                                             equation.unconstrained_residual())
+                                .second;
       result.residual_work = equation.residual() * displacement;
-      result.reaction_work = free_and_fixed(start.active->constraints(),
-                                            equation.unconstrained_residual())
-                               .second *
-                             displacement;
+      result.reaction_work = reaction * displacement;
+      balance.see_reactions(*start.active, reaction);
 
       const Vector &mapped = map.mapped(start);
-      Vector        change = velocity_new;
+      Vector        change = motion.velocity;
       change -= mapped;
       const Vector misfit = momentum_misfit(start, mapped);
       // v.M~ v / 2 - v.p, with M~ v = p - misfit
@@ -143,13 +146,9 @@ namespace emmy
            const PointMapping      &mapping,
            const GridMotion        &motion)
   {
-    StepAccounts            result;
-    const VelocityMap<dim> &map    = balance.velocity_map();
-    const Vector           &mapped = map.mapped(step.start);
-    add_works(
-      step.start, equation, map, motion.displacement, motion.velocity, result);
-    balance.see_reactions(*step.start.active,
-                          equation.unconstrained_residual());
+    StepAccounts  result;
+    const Vector &mapped = balance.velocity_map().mapped(step.start);
+    add_works(step, equation, balance, motion, result);
     result.hidden_kinetic_energy += motion.kinetic_energy;
     const bool has_losses = mapping.lumping > 0. || mapping.flip_fraction < 1.;
     if (has_losses)

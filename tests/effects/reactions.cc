@@ -1,6 +1,9 @@
 // What walls do to a body is what the ledger says they do: the momentum of the
 // particles changes by the forces of the sides and the loads, to round-off, and
-// the angular momentum by their moments once places have settled.
+// the angular momentum by their moments once places have settled. (What flies
+// into a side in <Roller> keeps a velocity that the grid does not see, and
+// slides: its angular momentum changes without a moment. So these sides are in
+// <Fixed>.)
 
 #include "../check.h"
 #include "../scene.h"
@@ -24,7 +27,7 @@ namespace
            "subsection rubber\nset Model = Hencky\nset Density = 5\n"
            "set Young's modulus = 100\nset Poisson's ratio = 0.3\nend\nend\n"
            "subsection Bodies\nset Names = block\nsubsection block\n"
-           "set Shape = box\nset Material = rubber\n"
+           "set Shape = box\nset Material = rubber\nset Points per direction = 2\n"
            "set Initial velocity = -0.6; -0.4" +
            (in_space ? "; 0.2" : "") +
            "\nsubsection box\nset Lower corner = 0, 0" +
@@ -85,14 +88,14 @@ namespace
                                 std::string("force_") + "xyz"[d],
                                 d == 1 ? load : 0.),
                     1e-11);
-    if (load == 0. && name.find("middle") != std::string::npos)
+    if (load == 0. && name.find("fixed") != std::string::npos)
       for (unsigned int d = dim == 2 ? 2 : 0; d < 3; ++d)
         test::at_most(name + ": angular momentum " + "xyz"[d],
                       unexplained(run,
                                   std::string("angular_momentum_") + "xyz"[d],
                                   std::string("moment_") + "xyz"[d],
                                   0.),
-                      1e-8);
+                      1e-10);
   }
 } // namespace
 
@@ -101,7 +104,10 @@ main(int argc, char *argv[])
 {
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   check_momentum<2>("linear, start", {"Method/Shape functions=linear"});
-  check_momentum<2>("GIMP, middle", {"Method/Shape functions=GIMP"});
+  check_momentum<2>("GIMP, middle, fixed",
+                    {"Method/Shape functions=GIMP",
+                     "Boundary conditions/Fixed=x-min, y-min",
+                     "Boundary conditions/Roller="});
   check_momentum<2>("GIMP, start, gravity",
                     {"Method/Shape functions=GIMP",
                      "Method/Geometry=start",
@@ -112,6 +118,11 @@ main(int argc, char *argv[])
                      "Time/Integrator=explicit",
                      "Method/Stress rule=conserving"});
   check_momentum<3>("in space, GIMP, middle", {"Method/Shape functions=GIMP"});
+  check_momentum<3>("in space, linear, middle, fixed",
+                    {"Method/Shape functions=linear",
+                     "Method/Geometry=middle",
+                     "Boundary conditions/Fixed=x-min, y-min",
+                     "Boundary conditions/Roller="});
 
   test::check_throws_with(
     [] {

@@ -158,9 +158,9 @@ namespace
             equation.take(solution, step);
             check(equation.evaluate(solution, false), what + ": has meaning");
             if (sign == 1)
-              change = equation.residual();
+              change = equation.system().residual;
             else
-              change -= equation.residual();
+              change -= equation.system().residual;
             equation.take_back(solution, step);
             equation.evaluate(solution, true);
             step *= -1.;

@@ -179,7 +179,8 @@ namespace emmy
 
     /**
      * Of the step that will be accepted: the forces on the body that hold fixed
-     * unknowns, N; elsewhere what the solver left.
+     * unknowns, with what followers have handed over to them, N; zero
+     * elsewhere.
      */
     virtual void
     see_reactions(const ActiveGrid<dim> &active, const Vector &force)
