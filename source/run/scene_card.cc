@@ -95,6 +95,7 @@ namespace emmy
         for (const EffectCard &effect : wall_cards(scene.balance))
           add(effect);
         add(parameters.diagnosis.card());
+        add(displacement_card(scene.layout.has(start_position_field)));
         for (const auto &measurement : scene.measurements)
           add(measurement->card());
         std::stable_sort(card.effects.begin(),

@@ -16,7 +16,8 @@ namespace emmy
    *  - energies.png: the energies in ledger.csv against time;
    *  - balance_error.png: |balance_error| relative to the initial energy (to
    *    the largest, if the run starts from rest without load);
-   *  - particles.png: all snapshots, coloured by a value.
+   *  - particles.png: all snapshots, coloured by a value, with colours from
+   *    the 1st to the 99th percentile of all values of all snapshots.
    *
    * The scripts stay beside the pictures to be changed and run by hand. One
    * object on one rank, used by the run loop. A picture is worth no run: what
@@ -59,7 +60,7 @@ namespace emmy
      *         all pictures were drawn
      */
     std::vector<std::string>
-    draw(const std::string &value_label = "strain energy density (J/m^3)");
+    draw(const std::string &value_label);
 
     /** What the pictures remember of the snapshots, for recall(). */
     std::vector<double>
