@@ -14,27 +14,7 @@ namespace emmy
 {
   namespace
   {
-    /**
-     * What the names of a field's components end in; one empty string if the
-     * field is written under its own name. Empty for a number of components
-     * that we do not know.
-     */
-    std::vector<std::string>
-    suffixes(const unsigned int n_components, const unsigned int dim)
-    {
-      if (n_components == 1 || n_components == dim)
-        return std::vector<std::string>(n_components, "");
-      if (n_components == 4 && dim == 2)
-        return {"_xx", "_yy", "_xy", "_zz"};
-      if (n_components == 6)
-        return {"_xx", "_yy", "_zz", "_xy", "_xz", "_yz"};
-      if (n_components == 9)
-        return {"_xx", "_xy", "_xz", "_yx", "_yy", "_yz", "_zx", "_zy", "_zz"};
-      return {};
-    }
-
-
-    /** The names of all components, after checking them. */
+    /** The names of all components, which is that of their field. */
     std::vector<std::string>
     component_names(const std::vector<FieldDescription> &fields,
                     const unsigned int                   dim)
@@ -42,23 +22,19 @@ namespace emmy
       std::vector<std::string> names;
       for (const FieldDescription &field : fields)
         {
-          const auto endings = suffixes(field.n_components, dim);
-          AssertThrow(!endings.empty(),
+          const unsigned int n = field.n_components;
+          AssertThrow(n == 1 || n == dim || n == 9,
                       ExcRun("Output field <" + field.name + ">",
-                             "it has " + std::to_string(field.n_components) +
-                               " components",
+                             "it has " + std::to_string(n) + " components",
                              "give it 1 (scalar), " + std::to_string(dim) +
-                               " (vector), " + (dim == 2 ? "4, " : "") +
-                               "6 (symmetric tensor) or 9 (tensor)."));
+                               " (vector) or 9 (tensor)."));
           AssertThrow(!field.name.empty() &&
-                        std::find(names.begin(),
-                                  names.end(),
-                                  field.name + endings[0]) == names.end(),
+                        std::find(names.begin(), names.end(), field.name) ==
+                          names.end(),
                       ExcRun("Output field <" + field.name + ">",
                              "its name is empty or taken by another field",
                              "give every field of a file a name of its own."));
-          for (const std::string &ending : endings)
-            names.push_back(field.name + ending);
+          names.insert(names.end(), n, field.name);
         }
       return names;
     }
@@ -103,8 +79,7 @@ namespace emmy
     std::string
     list_fields(const std::string                   &directory,
                 const std::string                   &basename,
-                const std::vector<FieldDescription> &fields,
-                const unsigned int                   dim)
+                const std::vector<FieldDescription> &fields)
     {
       const std::string filename =
         (std::filesystem::path(directory) / "fields.txt").string();
@@ -122,13 +97,8 @@ namespace emmy
         {
           out << field.name << " [" << (field.unit.empty() ? "1" : field.unit)
               << "]";
-          const auto endings = suffixes(field.n_components, dim);
-          if (!endings[0].empty())
-            for (std::size_t i = 0; i < endings.size(); ++i)
-              out << (i == 0 ? " (" : ", ") << endings[i]
-                  << (i + 1 == endings.size() ? ")" : "");
-          else if (endings.size() > 1)
-            out << " (vector)";
+          if (field.n_components > 1)
+            out << (field.n_components == 9 ? " (tensor)" : " (vector)");
           out << ": " << field.description << "\n";
         }
       out << "\n";
@@ -220,9 +190,8 @@ namespace emmy
     // best compression takes ten times as long and saves a few percent.
     flags.compression_level = decltype(flags.compression_level)::best_speed;
     for (const FieldDescription &field : fields)
-      for (const std::string &ending : suffixes(field.n_components, dim))
-        if (!field.unit.empty())
-          flags.physical_units[field.name + ending] = field.unit;
+      if (!field.unit.empty())
+        flags.physical_units[field.name] = field.unit;
     this->set_flags(flags);
 
     const unsigned int n_ranks =
@@ -247,7 +216,7 @@ namespace emmy
         problem = write_whole_file(path(stem + "pvtu"), record(pieces));
       }
     if (rank == 0 && problem.empty())
-      problem = list_fields(directory, basename, fields, dim);
+      problem = list_fields(directory, basename, fields);
     throw_together(communicator, "Output", problem, file_remedy);
     return stem + "pvtu";
   }
@@ -313,12 +282,14 @@ namespace emmy
     unsigned int       first = 0;
     for (const FieldDescription &field : fields)
       {
-        if (field.n_components == dim)
-          ranges.emplace_back(
-            first,
-            first + dim - 1,
-            field.name,
-            dealii::DataComponentInterpretation::component_is_part_of_vector);
+        namespace Kind = dealii::DataComponentInterpretation;
+        if (field.n_components > 1)
+          ranges.emplace_back(first,
+                              first + field.n_components - 1,
+                              field.name,
+                              field.n_components == 9
+                                ? Kind::component_is_part_of_tensor
+                                : Kind::component_is_part_of_vector);
         first += field.is_integer ? 0 : field.n_components;
       }
     return ranges;

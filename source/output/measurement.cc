@@ -1,13 +1,10 @@
-#include <emmy/output/measurement.h>
-#include <emmy/particles/nearest.h>
+#include <emmy/output/field_measurements.h>
 
 #include <algorithm>
 #include <limits>
 
 namespace emmy
 {
-  using dealii::Point;
-
   namespace
   {
     template <int dim>
@@ -22,131 +19,6 @@ namespace emmy
         result.push_back({card.ledger_columns[i], values[i]});
       return result;
     }
-
-    /** Where some particles are, in the mean. */
-    template <int dim>
-    class ParticlePosition : public Measurement<dim>
-    {
-    public:
-      /** @param ids of the particles, which they keep: sorted */
-      ParticlePosition(const std::vector<dealii::types::particle_index> &ids,
-                       const MPI_Comm    communicator,
-                       const EffectCard &own_card)
-        : ids(ids)
-        , communicator(communicator)
-        , own_card(own_card)
-      {}
-
-      std::vector<StepMeasure>
-      measure(const Particles<dim> &particles) const override
-      {
-        std::vector<double> sums(dim);
-        for (const auto &particle : particles)
-          if (std::binary_search(ids.begin(), ids.end(), particle.get_id()))
-            for (unsigned int d = 0; d < dim; ++d)
-              sums[d] += particle.get_location()[d];
-        dealii::Utilities::MPI::sum(sums, communicator, sums);
-        for (double &sum : sums)
-          sum /= ids.size();
-        return as_columns(own_card, sums);
-      }
-
-      const EffectCard &
-      card() const override
-      {
-        return own_card;
-      }
-
-      std::vector<dealii::types::particle_index>
-      memory() const override
-      {
-        return ids;
-      }
-
-      void
-      recall(const std::vector<dealii::types::particle_index> &memory) override
-      {
-        ids = memory;
-      }
-
-    private:
-      std::vector<dealii::types::particle_index> ids;
-      const MPI_Comm                             communicator;
-      const EffectCard                           own_card;
-    };
-
-    template <int dim>
-    class ParticleParameters : public MeasurementParameters<dim>
-    {
-    public:
-      explicit ParticleParameters(const std::string &section)
-        : MeasurementParameters<dim>(section)
-      {
-        this->add_parameter(
-          "Nearest to",
-          position,
-          "The particle that is nearest to this position at the start is "
-          "followed; of several equally near ones their mean. Unit: m. "
-          "Required: " +
-            std::to_string(dim) + " coordinates.",
-          this->prm,
-          dealii::Patterns::List(dealii::Patterns::Double(), 0, dim));
-      }
-
-      std::unique_ptr<Measurement<dim>>
-      make(const FilledBodies<dim> &filled) const override
-      {
-        const std::string text = dealii::Patterns::Tools::to_string(position);
-        AssertThrow(position.size() == dim,
-                    ExcParameter(this->path(),
-                                 "Nearest to",
-                                 text,
-                                 "it is required: " + std::to_string(dim) +
-                                   " coordinates in m, separated by , or ;."));
-        Point<dim> from;
-        for (unsigned int d = 0; d < dim; ++d)
-          from[d] = position[d];
-        const unsigned int body      = this->body_index(filled.bodies);
-        const unsigned int component = filled.layout["body"];
-        const auto         counts    = [=](const auto &particle) {
-          return body == this->all_bodies ||
-                 particle.get_properties()[component] == body;
-        };
-        const NearestParticles<dim> nearest({from},
-                                            this->path(),
-                                            "Nearest to",
-                                            filled.grid,
-                                            filled.particles,
-                                            counts);
-
-        std::vector<dealii::types::particle_index> own, ids;
-        for (const auto &particle : filled.particles)
-          if (counts(particle) &&
-              nearest.is_nearest(0, particle.get_location()))
-            own.push_back(particle.get_id());
-        const MPI_Comm communicator = filled.grid.communicator();
-        for (const auto &of_rank :
-             dealii::Utilities::MPI::all_gather(communicator, own))
-          ids.insert(ids.end(), of_rank.begin(), of_rank.end());
-        std::sort(ids.begin(), ids.end());
-        Assert(!ids.empty(), dealii::ExcInternalError()); // no body is empty
-
-        std::vector<std::string> suffixes;
-        for (unsigned int d = 0; d < dim; ++d)
-          suffixes.push_back(std::string(1, "xyz"[d]));
-        const std::string what =
-          (ids.size() == 1
-             ? std::string("the particle")
-             : "the mean of " + std::to_string(ids.size()) + " particles") +
-          " that started " + brief(nearest.distances()[0]) + " m from (" +
-          text + ") m";
-        return std::make_unique<ParticlePosition<dim>>(
-          ids, communicator, this->make_card(what, suffixes));
-      }
-
-    private:
-      std::vector<double> position; // m
-    };
 
     /** The box around a body, parallel to the axes. */
     template <int dim>
@@ -301,18 +173,20 @@ namespace emmy
   {
     static Library<MeasurementParameters<dim>> library = [] {
       Library<MeasurementParameters<dim>> measurements;
-      measurements.add(
-        {"particle",
-         "the path of the particle that starts nearest to a position",
-         [](const std::string &section) {
-           return std::make_unique<ParticleParameters<dim>>(section);
-         }});
+      measurements.add({"particle",
+                        "path, stress or other fields of the particle that "
+                        "starts nearest to a position",
+                        make_particle_parameters<dim>});
       measurements.add({"extent",
                         "the box around a body, parallel to the axes",
                         [](const std::string &section) {
                           return std::make_unique<ExtentParameters<dim>>(
                             section);
                         }});
+      measurements.add({"mean",
+                        "mean stress or other fields of the particles in a "
+                        "box, by volume",
+                        make_mean_parameters<dim>});
       return measurements;
     }();
     return library;

@@ -4,8 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <iomanip>
+#include <limits>
 #include <ostream>
+#include <sstream>
 #include <utility>
 
 namespace emmy
@@ -130,9 +135,13 @@ namespace emmy
     {
       // Viridis (van der Walt and Smith): perceptually uniform, and safe for
       // the colour-blind.
-      script << "# The range of colours of all panels.\n"
-             << "smallest = " << picture.smallest << "\n"
-             << "largest  = " << picture.largest << "\n"
+      std::ostringstream legend;
+      legend << std::setprecision(3) << picture.value_label << ", from "
+             << picture.smallest << " to " << picture.largest;
+      script << "# The range of colours of all panels: 1st to 99th percentile "
+                "of all values.\n"
+             << "first = " << picture.first_colour << "\n"
+             << "last  = " << picture.last_colour << "\n"
              << "# Particles are discs, m: large ones touch at first, small "
                 "ones leave no gaps.\n"
              << "radius = "
@@ -140,14 +149,15 @@ namespace emmy
                     (picture.spacing * layout.pixels_per_metre > 10. ? 0.5
                                                                      : 0.71) +
                   0.3 / layout.pixels_per_metre
-             << "\n\nset cbrange [smallest:largest]\n"
+             << "\n\nset cbrange [first:last]\n"
              << "set palette defined (0 '#440154', 1 '#482878', "
                 "2 '#3e4989', 3 '#31688e', 4 '#26828e', \\\n"
              << "  5 '#1f9e89', 6 '#35b779', 7 '#6ece58', 8 '#b5de2b', "
                 "9 '#fde725')\n"
-             << "set cblabel " << gnuplot::quoted(picture.value_label)
+             << "set cblabel " << gnuplot::quoted(legend.str())
              << " offset 0,0.6\nset cbtics scale 0.4 offset 0,0.4 "
-             << gnuplot::nice_step(picture.largest - picture.smallest, 6)
+             << gnuplot::nice_step(picture.last_colour - picture.first_colour,
+                                   6)
              << "\nunset key\n";
 
       script << "set xrange [" << layout.paper_lower[0] << ":"
@@ -234,6 +244,42 @@ namespace emmy
       script << "\n";
     }
   } // namespace
+
+
+  void
+  ParticlePicture::choose_colours(const std::string &folder)
+  {
+    std::vector<double> values;
+    for (const Panel &panel : panels)
+      {
+        std::ifstream in(std::filesystem::path(folder) / panel.file);
+        std::string   line;
+        for (std::getline(in, line); std::getline(in, line);)
+          {
+            const double value =
+              std::strtod(line.c_str() + line.find_last_of(' '), nullptr);
+            if (std::isfinite(value))
+              values.push_back(value);
+          }
+      }
+    const auto percentile = [&values](const double percent) {
+      const auto place =
+        values.begin() + std::lround(0.01 * percent * (values.size() - 1));
+      std::nth_element(values.begin(), place, values.end());
+      return *place;
+    };
+    if (smallest > largest) // there is no value
+      smallest = largest = 0.;
+    first_colour = smallest;
+    last_colour  = largest;
+    if (!values.empty() && percentile(1.) < percentile(99.))
+      {
+        first_colour = percentile(1.);
+        last_colour  = percentile(99.);
+      }
+    if (last_colour <= first_colour)
+      last_colour = first_colour + 1.;
+  }
 
 
   void

@@ -62,9 +62,9 @@ namespace emmy
   {
     std::error_code ignored; // the first file that cannot be written tells
     fs::create_directory(folder, ignored);
-    particles.spacing = 0.; // not known yet
-    // Energies are not negative: let their colours start at zero.
-    particles.smallest = particles.largest = 0.;
+    particles.spacing  = 0.; // not known yet
+    particles.smallest = std::numeric_limits<double>::max();
+    particles.largest  = std::numeric_limits<double>::lowest();
   }
 
 
@@ -284,9 +284,7 @@ namespace emmy
     particles.title       = title;
     particles.value_label = value_label;
 
-    if (particles.largest <= particles.smallest)
-      particles.largest = particles.smallest + 1.;
-
+    particles.choose_colours(folder);
     // The cells that any snapshot touches, and some air around it.
     for (unsigned int d = 0; d < particles.dim; ++d)
       {

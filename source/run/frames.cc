@@ -129,7 +129,8 @@ namespace emmy
   {
     const auto scope = scene.phases.scope("pictures");
     write_last(last, is_complete);
-    return is_first && pictures ? pictures->draw() : std::vector<std::string>();
+    return is_first && pictures ? pictures->draw(scene.drawn_number.label)
+                                : std::vector<std::string>();
   }
 
   template <int dim>
@@ -172,37 +173,17 @@ namespace emmy
   {
     std::vector<FieldDescription> fields{
       {"id", 1, "1", "particle id", /*is_integer=*/true}};
-    for (const Field &field : scene.layout.fields())
-      fields.push_back(
-        {field.written_name(),
-         field.kind == Field::Kind::tensor ? 9 : field.n_components,
-         field.unit,
-         field.description});
+    for (const ParticleField<dim> &field : scene.written_fields)
+      fields.push_back(field.description);
 
     DataFile<0, dim> file(fields);
     file.reserve(scene.particles.n_locally_owned_particles());
     std::vector<double> values;
     for (const auto &particle : scene.particles)
       {
-        const auto properties = particle.get_properties();
         values.assign(1, particle.get_id());
-        for (const Field &field : scene.layout.fields())
-          if (field.kind == Field::Kind::tensor)
-            for (unsigned int i = 0; i < 3; ++i)
-              for (unsigned int j = 0; j < 3; ++j)
-                values.push_back(i < dim && j < dim
-                                   ? properties[field.offset + dim * i + j]
-                                   : (i == j ? 1. : 0.));
-          else
-            for (unsigned int c = 0; c < field.n_components; ++c)
-              {
-                const bool is_shear =
-                  field.kind == Field::Kind::symmetric_tensor && c >= dim &&
-                  c < n_in_plane<dim>;
-                values.push_back(
-                  field.written(c, properties[field.offset + c]) /
-                  (is_shear ? mandel::sqrt2 : 1.));
-              }
+        for (const ParticleField<dim> &field : scene.written_fields)
+          field.append(particle, values);
         file.add_point(particle.get_location(),
                        dealii::ArrayView<const double>(values.data(),
                                                        values.size()));
@@ -314,14 +295,13 @@ namespace emmy
 
     const std::size_t stride =
       1 + scene.particles.n_global_particles() / max_drawn_particles;
-    const unsigned int energy = scene.layout["strain_energy_density"];
     std::vector<dealii::Point<dim>> positions;
     std::vector<double>             values;
     for (const auto &particle : scene.particles)
       if (particle.get_id() % stride == 0)
         {
           positions.push_back(particle.get_location());
-          values.push_back(particle.get_properties()[energy]);
+          values.push_back(scene.drawn_number.value(particle));
         }
     const auto all_positions =
       dealii::Utilities::MPI::gather(communicator, positions);

@@ -100,6 +100,17 @@ namespace emmy
       return make_domain_update(method.domain_update, bodies, grid, layout);
     }
 
+    /** What particles carry whatever acts. */
+    template <int dim>
+    FieldLayout
+    make_layout(const SceneParameters<dim> &parameters)
+    {
+      FieldLayout layout = basic_fields(dim);
+      if (parameters.wants_displacement())
+        add_start_position(layout);
+      return layout;
+    }
+
     /** Null where the grid is undeformed at the start of a step. */
     template <int dim>
     std::unique_ptr<MiddlePlaces<dim>>
@@ -121,7 +132,7 @@ namespace emmy
     , materials(make_materials(parameters))
     , bodies(make_bodies(parameters, materials))
     , material_of_body(materials_of(bodies, materials))
-    , layout(basic_fields(dim))
+    , layout(make_layout(parameters))
     , explicit_force(
         make_explicit_force(parameters, bodies, material_of_body, layout))
     , balance(make_effects(parameters,
@@ -150,6 +161,17 @@ namespace emmy
       notes.push_back(note);
     if (middle)
       middle->begin(layout, particles);
+    if (layout.has(start_position_field))
+      set_start_position<dim>(layout, particles);
+    // names that are not there are refused before the run
+    written_fields =
+      ParticleFields<dim>(layout).find(parameters.output.particle_fields,
+                                       "Output",
+                                       "Particle fields");
+    drawn_number =
+      ParticleFields<dim>(layout).number(parameters.output.picture_field,
+                                         "Output",
+                                         "Picture field");
     for (const auto &measurement : parameters.measurements)
       measurements.push_back(
         measurement->make({bodies, grid, layout, particles}));

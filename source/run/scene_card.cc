@@ -96,6 +96,7 @@ namespace emmy
              wall_cards(scene.boundary_conditions, scene.balance))
           add(effect);
         add(parameters.diagnosis.card());
+        add(displacement_card(scene.layout.has(start_position_field)));
         for (const auto &measurement : scene.measurements)
           add(measurement->card());
         std::stable_sort(card.effects.begin(),

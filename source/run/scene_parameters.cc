@@ -1,6 +1,7 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
 #include <emmy/material/stress_rules.h>
+#include <emmy/output/particle_fields.h>
 #include <emmy/particles/stencils.h>
 #include <emmy/run/scene_parameters.h>
 #include <emmy/transfer/domain_update.h>
@@ -13,7 +14,6 @@ namespace emmy
   using dealii::Patterns::Bool;
   using dealii::Patterns::Double;
   using dealii::Patterns::Integer;
-  using dealii::Patterns::List;
   using dealii::Patterns::Selection;
 
   GeneralParameters::GeneralParameters()
@@ -222,55 +222,6 @@ namespace emmy
     return result;
   }
 
-  OutputParameters::OutputParameters()
-    : Section("Output")
-  {
-    add_parameter("Directory",
-                  directory,
-                  "Where the results go; created if it is not there.");
-    add_parameter("Overwrite",
-                  overwrite,
-                  "Whether results of an earlier run in <Directory> may be "
-                  "replaced. Also: --overwrite.");
-    add_parameter("Frames",
-                  frames,
-                  "Number of equal parts of the run after each of which "
-                  "particle and grid files are written. 0: none.",
-                  prm,
-                  Integer(0));
-    add_parameter("Particle files",
-                  particle_files,
-                  "Whether frames have particle files (VTU).");
-    add_parameter("Grid files",
-                  grid_files,
-                  "Whether frames have files of the active grid (VTU).");
-    add_parameter("Pictures",
-                  pictures,
-                  "Whether pictures are drawn at the end, with gnuplot.");
-    add_parameter("Picture times",
-                  picture_times,
-                  "Times at which particles are drawn. Unit: s. Empty: the "
-                  "start, the end, and four times between.",
-                  prm,
-                  List(Double()));
-  }
-
-  void
-  OutputParameters::validate() const
-  {
-    AssertThrow(!directory.empty(),
-                ExcParameter(path(),
-                             "Directory",
-                             directory,
-                             "it must name a folder, e.g. results/my-run."));
-    for (const double time : picture_times)
-      AssertThrow(time >= 0.,
-                  ExcParameter(path(),
-                               "Picture times",
-                               shortest(time),
-                               "times must not be negative (s)."));
-  }
-
   namespace
   {
     std::vector<std::string>
@@ -436,6 +387,18 @@ namespace emmy
       out,
       dealii::ParameterHandler::PRM |
         dealii::ParameterHandler::KeepDeclarationOrder);
+  }
+
+  template <int dim>
+  bool
+  SceneParameters<dim>::wants_displacement() const
+  {
+    std::vector<std::string> names = output.particle_fields;
+    names.push_back(output.picture_field);
+    for (const auto &measurement : measurements)
+      for (const std::string &name : measurement->fields())
+        names.push_back(name);
+    return emmy::wants_displacement(names);
   }
 
   unsigned int

@@ -78,7 +78,7 @@ namespace
       {"mass", 1, "kg", "of a particle"},
       {"velocity", dim, "m/s", "of a particle"},
       {"id", 1, "1", "of a particle", /*is_integer=*/true},
-      {"stress", dim == 2 ? 4u : 6u, "Pa", "Kirchhoff stress"}};
+      {"stress", 9, "Pa", "Kirchhoff stress"}};
     const std::string points = "particles" + std::to_string(dim);
     const std::string cells  = "grid" + std::to_string(dim);
     Series            point_series(folder, points, world);
@@ -87,7 +87,7 @@ namespace
     for (unsigned int frame = 0; frame < 2; ++frame)
       {
         DataFile<0, dim> point_file(fields);
-        check(point_file.n_values() == 2 + dim + (dim == 2 ? 4 : 6),
+        check(point_file.n_values() == 2 + dim + 9,
               "a value for each component");
         DataFile<dim, dim>  cell_file({{"momentum", dim, "N s", "nodal"}});
         std::vector<double> values(point_file.n_values(), 0.5);
@@ -119,9 +119,7 @@ namespace
                        {"\"mass\"",
                         "\"velocity\" NumberOfComponents=\"3\"",
                         "<PDataArray type=\"Int64\" Name=\"id\"",
-                        "\"stress_xx\"",
-                        "\"stress_xy\"",
-                        "\"stress_zz\"",
+                        "\"stress\" NumberOfComponents=\"9\"",
                         "units=\"m/s\""});
         const unsigned int n_ranks =
           dealii::Utilities::MPI::n_mpi_processes(world);
@@ -152,7 +150,7 @@ namespace
         check_contains(at / "fields.txt",
                        {"mass [kg]: of a particle",
                         "velocity [m/s] (vector)",
-                        "stress [Pa] (_xx, _yy, "});
+                        "stress [Pa] (tensor): Kirchhoff stress"});
         check(count(contents(at / "fields.txt"), points + ".pvd") == 1,
               "the fields are listed once");
       }
@@ -390,6 +388,11 @@ namespace
         if (gnuplot_is_installed())
           check(!absent && size > 5000, name + ".png is drawn");
       }
+    const std::string colours = contents(run / "pictures/particles.gp");
+    check(count(colours, "first = 2\nlast  = 197\n") == 1,
+          "colours from the 1st to the 99th percentile of 0, 1, ..., 199");
+    check(count(colours, "strain energy (J), from 0 to 199") == 1,
+          "the extremes are in the legend");
     const std::string script = contents(run / "pictures/energies.gp");
     check(count(script, "+ column('contact_energy')") > 0,
           "what contact stores is in the total");
@@ -415,7 +418,7 @@ namespace
     Pictures without_gnuplot(folder, "");
     without_gnuplot.add_snapshot<2>(
       0., {Point<2>(0.5, 0.5)}, {1.}, {0., 0.}, {1., 1.}, {2, 2});
-    const auto warnings = without_gnuplot.draw();
+    const auto warnings = without_gnuplot.draw("energy");
     setenv("PATH", path.c_str(), 1);
     check(warnings.size() == 2 && count(warnings[0], "no ledger.csv") == 1,
           "a missing ledger is a warning");
@@ -427,7 +430,8 @@ namespace
     Pictures without_folder("/proc/absent", "");
     without_folder.add_snapshot<2>(
       0., {Point<2>(0.5, 0.5)}, {1.}, {0., 0.}, {1., 1.}, {2, 2});
-    check(without_folder.draw().size() >= 2, "a missing folder is a warning");
+    check(without_folder.draw("energy").size() >= 2,
+          "a missing folder is a warning");
   }
 } // namespace
 

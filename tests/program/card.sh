@@ -114,7 +114,7 @@ check 'base: ghost faces couple all but opposite corners' \
 emmy_run --check base.prm
 check 'base: absent effects have no numbers unless asked for' has_lines 0 out '^  absent +bytes'
 check 'base: absent effects are named' \
-  says out 'absent von Mises, stress rule, explicit steps, GIMP, domain update, middle geometry, aggregation, gravity, point load, tools, ghost stabilisation, manufactured solution, lumping, PIC, inelastic walls, unconstrained walls, moving walls, diagnosis'
+  says out 'absent von Mises, stress rule, explicit steps, GIMP, domain update, middle geometry, aggregation, gravity, point load, tools, ghost stabilisation, manufactured solution, lumping, PIC, inelastic walls, unconstrained walls, moving walls, diagnosis, displacement output'
 
 # agrees NAME CARD_NAME ARGUMENTS...: with the arguments the scene has the
 # effect; its card agrees with the run, and with what the scene without it says
@@ -125,7 +125,8 @@ agrees()
   emmy_run "$@" --check
   check "$name: --check succeeds" [ "$status" -eq 0 ]
   card <out >check.card
-  emmy_run "$@" --set 'Output/Directory=results' --set 'Time/Maximum steps=2' --overwrite
+  emmy_run "$@" --set 'Output/Directory=results' --set 'Time/Maximum steps=2' --overwrite \
+    --set 'Output/Particle fields=carried'
   check "$name: the run succeeds" [ "$status" -eq 0 ]
   card <results/run.log >run.card
   check "$name: the head of the run is the card" cmp -s check.card run.card

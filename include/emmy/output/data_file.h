@@ -23,12 +23,8 @@ namespace emmy
    * ordered:
    *  - 1: a scalar;
    *  - dim: a vector, which ParaView sees as one;
-   *  - 4 (dim = 2 only): a symmetric tensor in plane strain: xx, yy, xy, zz;
-   *  - 6: a symmetric tensor: xx, yy, zz, xy, xz, yz, which is the order of
-   *    dealii::SymmetricTensor<2,3>;
-   *  - 9: a tensor by rows: xx, xy, xz, yx, ...
-   *
-   * Tensors are written as scalars name_xx, name_yy, ...
+   *  - 9: a tensor by rows: xx, xy, xz, yx, ..., which ParaView sees as one;
+   *    also in plane strain, and of symmetric tensors.
    */
   struct FieldDescription
   {

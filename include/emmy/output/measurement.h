@@ -73,6 +73,13 @@ namespace emmy
     virtual std::unique_ptr<Measurement<dim>>
     make(const FilledBodies<dim> &filled) const = 0;
 
+    /** The fields of particles that it reads, if it lists some. */
+    virtual std::vector<std::string>
+    fields() const
+    {
+      return {};
+    }
+
   protected:
     /** The index of <Body>; all_bodies if it is empty. Throws ExcParameter. */
     unsigned int
@@ -92,7 +99,7 @@ namespace emmy
     std::string type; // decides, before this is made, what is made
   };
 
-  /** All measurements that a parameter file can name: particle, extent. */
+  /** All measurements that a parameter file can name. */
   template <int dim>
   Library<MeasurementParameters<dim>> &
   measurement_library();

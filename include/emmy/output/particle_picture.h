@@ -42,10 +42,21 @@ namespace emmy
     dealii::Point<3>     lower, upper;
     dealii::Tensor<1, 3> line_distance;
 
-    double             spacing  = 1.; ///< of neighbouring particles, m
-    double             smallest = 0.; ///< of all values and 0
-    double             largest  = 1.;
+    double spacing  = 1.; ///< of neighbouring particles, m
+    double smallest = 0.; ///< of all values
+    double largest  = 1.;
+    /** The values of the first and the last colour. */
+    double             first_colour = 0., last_colour = 1.;
     std::vector<Panel> panels;
+
+    /**
+     * Let colours range from the 1st to the 99th percentile of the values in
+     * the files of the panels: they do not hang on a few particles at an
+     * edge. Where these are the same, over all values. Cost: the files are
+     * read once.
+     */
+    void
+    choose_colours(const std::string &folder);
 
     /** Write the complete script. */
     void

@@ -18,7 +18,8 @@ namespace emmy
    *  - balance_error.png: |balance_error| relative to the initial energy (to
    *    the largest, if the run starts from rest without load);
    *  - forces_NAME.png: the force on a tool against its path, if it moves;
-   *  - particles.png: all snapshots, coloured by a value.
+   *  - particles.png: all snapshots, coloured by a value, with colours from
+   *    the 1st to the 99th percentile of all values of all snapshots.
    *
    * The scripts stay beside the pictures to be changed and run by hand. One
    * object on one rank, used by the run loop. A picture is worth no run: what
@@ -69,7 +70,7 @@ namespace emmy
      *         all pictures were drawn
      */
     std::vector<std::string>
-    draw(const std::string &value_label = "strain energy density (J/m^3)");
+    draw(const std::string &value_label);
 
     /** What the pictures remember of the snapshots, for recall(). */
     std::vector<double>

@@ -2,6 +2,7 @@
 #define emmy_run_scene_h
 
 #include <emmy/effects/explicit_force.h>
+#include <emmy/output/particle_fields.h>
 #include <emmy/run/scene_parameters.h>
 #include <emmy/step/time_integrator.h>
 
@@ -73,6 +74,8 @@ namespace emmy
     dealii::Particles::ParticleHandler<dim>       &particles = state.particles;
     std::unique_ptr<TimeIntegrator<dim>>           stepper;
     std::vector<std::unique_ptr<Measurement<dim>>> measurements;
+    std::vector<ParticleField<dim>> written_fields; ///< in particle files
+    ParticleNumber<dim>             drawn_number;   ///< in pictures
     /** On which particles effects act, in words. */
     std::vector<std::string> notes;
     StartedFrom              started; ///< of another run, if it does

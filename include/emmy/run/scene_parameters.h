@@ -11,6 +11,7 @@
 #include <emmy/output/measurement.h>
 #include <emmy/particles/body.h>
 #include <emmy/run/checkpoint_parameters.h>
+#include <emmy/run/output_parameters.h>
 #include <emmy/run/start.h>
 #include <emmy/solve/linear_solver.h>
 #include <emmy/step/small_cuts.h>
@@ -82,24 +83,6 @@ namespace emmy
     make_mapping() const;
   };
 
-  /** Section `Output`. */
-  class OutputParameters : public Section
-  {
-  public:
-    std::string         directory      = "results";
-    bool                overwrite      = false;
-    unsigned int        frames         = 20;
-    bool                particle_files = true, grid_files = true;
-    bool                pictures = true;
-    std::vector<double> picture_times; // s; empty: chosen by the run
-
-    OutputParameters();
-
-    /** Throws ExcParameter. */
-    void
-    validate() const;
-  };
-
   /**
    * All parameters of a scene: one struct per section, declared for the names
    * that the file lists, then filled from the file. Only one may exist at a
@@ -115,6 +98,10 @@ namespace emmy
     /** Print all parameters with their values and documentation. */
     void
     print(std::ostream &out) const;
+
+    /** Whether anything that is written needs to know displacements. */
+    bool
+    wants_displacement() const;
 
   private:
     /** Empties ParameterAcceptor's list of what an earlier scene left. */
