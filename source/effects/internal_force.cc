@@ -5,54 +5,6 @@
 
 namespace emmy
 {
-  namespace
-  {
-    /** Add V0 grad S_a . dP/dH . grad S_b of a batch to the group's matrix. */
-    template <int dim>
-    void
-    add_stiffness(const Stencils<dim>                 &stencils,
-                  const typename Stencils<dim>::Group &group,
-                  const unsigned int                   first,
-                  const double                        *volume,
-                  const StressBatch<dim>              &batch,
-                  dealii::FullMatrix<double>          &stiffness)
-    {
-      const unsigned int  n = group.n_nodes, n_columns = dim * n;
-      std::vector<double> half(dim * dim * n_columns);
-      for (unsigned int q = 0; q < batch.n_points; ++q)
-        {
-          // half_(iJ)(bm) = V0 sum_L (dP_iJ/dH_mL) dS_b/dx_L
-          for (unsigned int b = 0; b < n; ++b)
-            {
-              dealii::Tensor<1, dim> slope;
-              for (unsigned int L = 0; L < dim; ++L)
-                slope[L] =
-                  volume[q] * stencils.gradient(group, b, L)[first + q];
-              for (unsigned int iJ = 0; iJ < dim * dim; ++iJ)
-                for (unsigned int m = 0; m < dim; ++m)
-                  {
-                    double sum = 0.;
-                    for (unsigned int L = 0; L < dim; ++L)
-                      sum += batch.tangent[q][iJ][m * dim + L] * slope[L];
-                    half[iJ * n_columns + b * dim + m] = sum;
-                  }
-            }
-          for (unsigned int a = 0; a < n; ++a)
-            for (unsigned int J = 0; J < dim; ++J)
-              {
-                const double slope = stencils.gradient(group, a, J)[first + q];
-                for (unsigned int i = 0; i < dim; ++i)
-                  {
-                    double       *row    = &stiffness(dim * a + i, 0);
-                    const double *factor = &half[(i * dim + J) * n_columns];
-                    for (unsigned int c = 0; c < n_columns; ++c)
-                      row[c] += slope * factor[c];
-                  }
-              }
-        }
-    }
-  } // namespace
-
   template <int dim>
   InternalForce<dim>::InternalForce(
     std::vector<const Material<dim> *> material_of_body,
@@ -109,8 +61,10 @@ namespace emmy
   {
     const ActiveGrid<dim> &active = *step.start.active;
     const unsigned int    *nodes  = active.nodes(group);
-    if (jacobian)
-      work.stiffness.reinit(dim * group.n_nodes, dim * group.n_nodes);
+    if (jacobian && step.moving)
+      work.block.reinit(dim * group.n_nodes, dim * group.n_nodes);
+    else if (jacobian)
+      work.stiffness.reinit(group.n_nodes);
 
     for (unsigned int first = 0; first < group.n_points;
          first += max_batch_points)
@@ -142,17 +96,33 @@ namespace emmy
                             work.batch,
                             work.middle,
                             volumes},
-                           work.stiffness);
+                           work.block);
         else if (jacobian)
-          add_stiffness(
-            step.stencils, group, first, volumes, work.batch, work.stiffness);
+          work.stiffness.add(
+            {step.stencils, group, first, work.batch, volumes});
       }
-
-    if (work.sum)
-      work.sum->add(nodes, work.stiffness);
-    else if (jacobian)
-      active.graph().add(nodes, work.stiffness, *jacobian);
+    if (jacobian)
+      add_block(step, group, work, *jacobian);
     return {};
+  }
+
+  template <int dim>
+  void
+  InternalForce<dim>::add_block(const StepData<dim> &step,
+                                const Group         &group,
+                                Assembly            &work,
+                                Matrix              &jacobian) const
+  {
+    const unsigned int   *nodes = step.start.active->nodes(group);
+    const NodeGraph<dim> &graph = step.start.active->graph();
+    if (work.sum && !step.moving)
+      work.stiffness.blocks().template copy_to<dim>(work.block);
+    if (work.sum)
+      work.sum->add(nodes, work.block);
+    else if (step.moving)
+      graph.add(nodes, work.block, jacobian);
+    else
+      graph.add(nodes, work.stiffness.blocks(), jacobian);
   }
 
   template <int dim>

@@ -123,8 +123,7 @@ namespace emmy
           0.5 * K * e.trace * e.trace + G * e.deviator_squared;
         if (batch.with_tangent)
           batch.spatial_tangent[p] =
-            mandel::transform<dim>(mandel::congruence<dim>(e.b.vectors),
-                                   principal_tangent<dim>(e, tau, K, G));
+            tangent_from_principal(e, principal_tangent<dim>(e, tau, K, G));
         if (batch.with_energy_change)
           steps[p] = {e, tau, {}};
       }

@@ -1,8 +1,7 @@
 #include <emmy/base/exceptions.h>
-#include <emmy/material/stress_rules.h>
+#include <emmy/material/conserving_stress.h>
 #include <emmy/math/kinematics.h>
 
-#include <limits>
 #include <memory>
 
 namespace emmy
@@ -71,21 +70,6 @@ namespace emmy
 
   namespace
   {
-    /** |C - C_t|^2 of a step that is none: there squares would underflow. */
-    constexpr double smallest_square = 1e-250;
-
-    /**
-     * Below this ratio of |C - C_t| to the elastic strain the derivative of
-     * the energy correction is left out. It is a difference of stresses
-     * divided by the step: round-off would be worse than what is left out,
-     * which is as small as the step. The stress has its correction.
-     */
-    constexpr double smallest_slope = 1e-8;
-
-    /** An energy difference below this part of the energies is round-off. */
-    constexpr double energy_round_off =
-      4. * std::numeric_limits<double>::epsilon();
-
     /**
      * dP/dH from S and a matrix C with dS = C : sym(F^T dH):
      * P_iJ = Fm_iM S_MJ, so that
@@ -145,6 +129,7 @@ namespace emmy
             result[i * dim + J][i * dim + L] += 0.5 * S_block[J][L];
       return result;
     }
+
     template <int dim>
     using Steps = std::array<StepKinematics<dim>, max_batch_points>;
 
@@ -156,123 +141,13 @@ namespace emmy
     unsigned int
     evaluate_end(const Material<dim> &material,
                  StressBatch<dim>    &batch,
-                 Steps<dim>          &steps,
-                 const bool           with_energy_change = false)
+                 Steps<dim>          &steps)
     {
-      const unsigned int inverted =
-        update_states(material, batch, with_energy_change);
+      const unsigned int inverted = update_states(material, batch);
       if (inverted == batch.n_points)
         for (unsigned int p = 0; p < batch.n_points; ++p)
           steps[p] = step_kinematics<dim>(batch.displacement_gradient[p]);
       return inverted;
-    }
-
-    /** Changes of energy that the material was not asked for, or cannot give.
-     */
-    template <int dim>
-    void
-    subtract_energies(const bool is_given, StressBatch<dim> &batch)
-    {
-      MaterialBatch<dim> &material = batch.material;
-      if (!material.with_energy_change)
-        for (unsigned int p = 0; p < batch.n_points; ++p)
-          material.stored_energy_change[p] =
-            material.stored_energy[p] - batch.stored_energy_old[p];
-      if (batch.is_inelastic && !is_given)
-        for (unsigned int p = 0; p < batch.n_points; ++p)
-          material.hardening_energy_change[p] =
-            material.hardening_energy[p] - batch.hardening_energy_old[p];
-    }
-
-    /**
-     * 2 (Delta psi + Delta D) - work of a point, J/m^3, and its energies at
-     * t + dt: those at t plus their changes.
-     *
-     * @param work twice what the mean stress works, S : A
-     */
-    template <int dim>
-    double
-    missing_energy(StressBatch<dim>  &batch,
-                   const unsigned int p,
-                   const double       work)
-    {
-      MaterialBatch<dim> &material = batch.material;
-      double              change   = material.stored_energy_change[p];
-      double              size     = std::abs(batch.stored_energy_old[p]) +
-                    std::abs(material.stored_energy[p]);
-      if (batch.is_inelastic)
-        {
-          change +=
-            material.hardening_energy_change[p] + material.dissipation[p];
-          size += batch.hardening_energy_old[p] + material.hardening_energy[p];
-        }
-      double missing = 2. * change - work;
-      if (!material.with_energy_change &&
-          std::abs(missing) <= energy_round_off * size)
-        {
-          material.stored_energy_change[p] -= 0.5 * missing;
-          missing = 0.;
-        }
-      material.stored_energy[p] =
-        batch.stored_energy_old[p] + material.stored_energy_change[p];
-      if (batch.is_inelastic)
-        material.hardening_energy[p] =
-          batch.hardening_energy_old[p] + material.hardening_energy_change[p];
-      return missing;
-    }
-
-    template <int dim>
-    unsigned int
-    conserving(const Material<dim> &material, StressBatch<dim> &batch)
-    {
-      Steps<dim>         steps;
-      const unsigned int inverted = evaluate_end(material, batch, steps, true);
-      if (inverted < batch.n_points)
-        return inverted;
-      subtract_energies(material.gives_energy_change(), batch);
-
-      for (unsigned int p = 0; p < batch.n_points; ++p)
-        {
-          const auto &step  = steps[p];
-          const auto &A     = step.metric_change;
-          const auto  b_old = mandel::block<dim>(
-            mandel::plus_unit<dim>(batch.left_cauchy_green_less_unit_old[p]));
-          const auto Q   = mandel::congruence<dim>(step.increment_inverse);
-          const auto Q_b = mandel::congruence<dim>(b_old);
-
-          const MandelVector<dim> S1 = Q * batch.material.kirchhoff_stress[p];
-          const MandelVector<dim> S_average =
-            0.5 * (batch.kirchhoff_stress_old[p] + S1);
-          const MandelVector<dim> B  = Q_b * A;
-          const double            nu = A * B; // |C - C_t|^2
-
-          const double missing    = missing_energy(batch, p, S_average * A);
-          const double correction = nu > smallest_square ? missing / nu : 0.;
-
-          const MandelVector<dim> S = S_average + correction * B;
-          batch.nominal_stress[p] = step.increment_mid * mandel::block<dim>(S);
-
-          if (!batch.with_tangent)
-            continue;
-          const MandelMatrix<dim> dS1 =
-            0.5 * mandel::transform<dim>(Q, batch.material.spatial_tangent[p]);
-          MandelMatrix<dim> dS = 0.5 * dS1;
-          if (nu > smallest_square &&
-              nu > smallest_slope * smallest_slope *
-                     batch.material.step.left_cauchy_green_less_unit_old[p]
-                       .norm_square())
-            {
-              // d(psi + dissipation)/dC = S1/2
-              const MandelVector<dim> gradient =
-                (S1 - S_average - 0.5 * (A * dS1) - (2. * correction) * B) / nu;
-              dS += correction * Q_b + outer_product(B, gradient);
-            }
-          batch.tangent[p] = nominal_tangent<dim>(step.increment_mid,
-                                                  step.increment,
-                                                  S,
-                                                  2. * dS);
-        }
-      return batch.n_points;
     }
 
     /** S = (1 - weight) tau_t + weight S1. */
@@ -387,7 +262,7 @@ namespace emmy
   stress_rule(const std::string &name)
   {
     if (name == "conserving")
-      return {&conserving<dim>, true};
+      return {&conserving_stress<dim>, true};
     if (name == "mid-point")
       return {&mid_point<dim>, false};
     if (name == "trapezoidal")

@@ -101,8 +101,7 @@ namespace emmy
           for (unsigned int j = 0; j < 3; ++j)
             c[normal[i]][normal[j]] -=
               2. * G * softer * direction[i] * direction[j];
-        batch.spatial_tangent[p] =
-          mandel::transform<dim>(mandel::congruence<dim>(e.b.vectors), c);
+        batch.spatial_tangent[p] = tangent_from_principal(e, c);
       }
     if (batch.with_energy_change)
       fill_energy_changes<dim>(steps.data(), batch);

@@ -1,3 +1,4 @@
+#include <emmy/math/lanes.h>
 #include <emmy/math/spectral.h>
 
 #include <algorithm>
@@ -98,7 +99,7 @@ namespace emmy
       PerTensor open;
 
       /** One Jacobi rotation of all that are open, as rotate() does it. */
-      void
+      EMMY_INLINE void
       rotate(const unsigned int p, const unsigned int q, const unsigned int n)
       {
         PerTensor c, s;
@@ -129,7 +130,7 @@ namespace emmy
           }
       }
 
-      static void
+      static EMMY_INLINE void
       turn(PerTensor          x,
            PerTensor          y,
            const PerTensor    c,
@@ -145,7 +146,7 @@ namespace emmy
       }
 
       /** Find out which are not yet diagonal. @return whether any is. */
-      bool
+      EMMY_INLINE bool
       find_open(const unsigned int n)
       {
         double any = 0.;
@@ -165,8 +166,37 @@ namespace emmy
           }
         return any > 0.;
       }
+
+      EMMY_INLINE void
+      diagonalise(const unsigned int n)
+      {
+        if constexpr (dim == 2)
+          rotate(0, 1, n);
+        else
+          for (unsigned int sweep = 0; sweep < 30 && find_open(n); ++sweep)
+            {
+              rotate(0, 1, n);
+              rotate(0, 2, n);
+              rotate(1, 2, n);
+            }
+      }
     };
   } // namespace
+
+  namespace spectral_kernels
+  {
+    // no templates: those have no clones
+    EMMY_CLONES void
+    diagonalise(SpectralBatch<2> &batch, const unsigned int n)
+    {
+      batch.diagonalise(n);
+    }
+    EMMY_CLONES void
+    diagonalise(SpectralBatch<3> &batch, const unsigned int n)
+    {
+      batch.diagonalise(n);
+    }
+  } // namespace spectral_kernels
 
   template <int dim>
   void
@@ -186,15 +216,7 @@ namespace emmy
             }
         batch.open[k] = 1.;
       }
-    if constexpr (dim == 2)
-      batch.rotate(0, 1, n);
-    else
-      for (unsigned int sweep = 0; sweep < 30 && batch.find_open(n); ++sweep)
-        {
-          batch.rotate(0, 1, n);
-          batch.rotate(0, 2, n);
-          batch.rotate(1, 2, n);
-        }
+    spectral_kernels::diagonalise(batch, n);
     for (unsigned int k = 0; k < n; ++k)
       {
         for (unsigned int d = 0; d < 3; ++d)

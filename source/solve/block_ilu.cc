@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace emmy
 {
@@ -12,29 +13,93 @@ namespace emmy
   {
     constexpr unsigned int none = dealii::numbers::invalid_unsigned_int;
 
-    /** C -= A B. */
-    template <int n>
-    void
-    subtract_product(const std::array<float, n * n> &A,
-                     const std::array<float, n * n> &B,
-                     std::array<float, n * n>       &C)
+    /**
+     * Four numbers side by side. Columns of three are read with one more number
+     * behind them, which does not matter.
+     */
+    typedef float Four __attribute__((vector_size(16)));
+
+    inline Four
+    read(const float *values)
     {
-      for (int j = 0; j < n; ++j)
-        for (int k = 0; k < n; ++k)
-          for (int i = 0; i < n; ++i)
-            C[n * j + i] -= A[n * k + i] * B[n * j + k];
+      Four result;
+      std::memcpy(&result, values, sizeof result);
+      return result;
     }
 
-    /** y -= A x. */
+    /**
+     * A sum of products of blocks with vectors of a node: one register for
+     * each column, in the plane one for both.
+     */
+    template <int n>
+    class NodeSum;
+
+    template <>
+    class NodeSum<2>
+    {
+    public:
+      void
+      add(const float *A, const float *x)
+      {
+        columns += read(A) * Four{x[0], x[0], x[1], x[1]};
+      }
+      float
+      operator[](const int i) const
+      {
+        return columns[i] + columns[2 + i];
+      }
+
+    private:
+      Four columns{};
+    };
+
+    template <>
+    class NodeSum<3>
+    {
+    public:
+      void
+      add(const float *A, const float *x)
+      {
+        first += read(A) * x[0];
+        second += read(A + 3) * x[1];
+        third += read(A + 6) * x[2];
+      }
+      float
+      operator[](const int i) const
+      {
+        return first[i] + second[i] + third[i];
+      }
+
+    private:
+      Four first{}, second{}, third{};
+    };
+
+    /** C += A B. */
     template <int n>
     void
-    subtract_product(const std::array<float, n * n> &A,
-                     const float                    *x,
-                     float                          *y)
+    add_product(const float *a, const float *b, float *c)
     {
-      for (int k = 0; k < n; ++k)
-        for (int i = 0; i < n; ++i)
-          y[i] -= A[n * k + i] * x[k];
+      if constexpr (n == 2)
+        {
+          const Four sum =
+            read(c) +
+            Four{a[0], a[1], a[0], a[1]} * Four{b[0], b[0], b[2], b[2]} +
+            Four{a[2], a[3], a[2], a[3]} * Four{b[1], b[1], b[3], b[3]};
+          std::memcpy(c, &sum, sizeof sum);
+        }
+      else
+        {
+          const Four columns[3] = {read(a), read(a + 3), read(a + 6)};
+          Four       sums[3];
+          for (int j = 0; j < 3; ++j)
+            sums[j] = read(c + 3 * j) + columns[0] * b[3 * j] +
+                      columns[1] * b[3 * j + 1] + columns[2] * b[3 * j + 2];
+          // the fourth number of a column is the first of the next
+          for (int j = 0; j < 3; ++j)
+            std::memcpy(c + 3 * j,
+                        &sums[j],
+                        j < 2 ? sizeof(Four) : 3 * sizeof(float));
+        }
     }
 
     /**
@@ -144,7 +209,8 @@ namespace emmy
         first.push_back(columns.size());
       }
 
-    blocks.assign(columns.size(), Block{});
+    // one more: something to read behind the last
+    blocks.assign(columns.size() + 1, Block{});
     for (unsigned int node = 0; node < n_nodes; ++node)
       {
         for (unsigned int k = first[node]; k < first[node + 1]; ++k)
@@ -176,20 +242,19 @@ namespace emmy
         for (unsigned int k = first[i]; k < diagonal[i]; ++k)
           {
             // L_ij = A_ij / U_jj, and its products with the row j of U
-            const unsigned int j = columns[k];
-            Block              product{};
-            subtract_product<n>(blocks[k], blocks[diagonal[j]], product);
-            blocks[k] = product; // -L_ij
+            const unsigned int           j = columns[k];
+            std::array<float, n * n + 1> product{};
+            add_product<n>(blocks[k].data(),
+                           blocks[diagonal[j]].data(),
+                           product.data());
+            for (float &entry : product)
+              entry *= -1.f;
+            std::copy_n(product.begin(), n * n, blocks[k].begin()); // -L_ij
             for (unsigned int l = diagonal[j] + 1; l < first[j + 1]; ++l)
               if (place[columns[l]] != none)
-                {
-                  Block &target = blocks[place[columns[l]]];
-                  for (int c = 0; c < n; ++c)
-                    for (int m = 0; m < n; ++m)
-                      for (int r = 0; r < n; ++r)
-                        target[n * c + r] +=
-                          product[n * m + r] * blocks[l][n * c + m];
-                }
+                add_product<n>(product.data(),
+                               blocks[l].data(),
+                               blocks[place[columns[l]]].data());
           }
         blocks[diagonal[i]] = inverse<n>(blocks[diagonal[i]]);
         for (unsigned int k = first[i]; k < first[i + 1]; ++k)
@@ -214,27 +279,22 @@ namespace emmy
 
     for (unsigned int i = 0; i < n_nodes; ++i)
       {
-        std::array<float, n> y;
-        std::copy_n(&work[n * i], n, y.begin());
+        NodeSum<n> sum;
         for (unsigned int k = first[i]; k < diagonal[i]; ++k)
-          for (int c = 0; c < n; ++c)
-            for (int m = 0; m < n; ++m)
-              y[m] += blocks[k][n * c + m] * work[n * columns[k] + c];
-        std::copy_n(y.begin(), n, &work[n * i]);
+          sum.add(blocks[k].data(), &work[n * columns[k]]);
+        for (int m = 0; m < n; ++m)
+          work[n * i + m] += sum[m];
       }
     for (unsigned int i = n_nodes; i-- > 0;)
       {
-        std::array<float, n> y;
-        std::copy_n(&work[n * i], n, y.begin());
+        NodeSum<n> sum, result;
         for (unsigned int k = diagonal[i] + 1; k < first[i + 1]; ++k)
-          subtract_product<n>(blocks[k], &work[n * columns[k]], y.data());
+          sum.add(blocks[k].data(), &work[n * columns[k]]);
         for (int m = 0; m < n; ++m)
-          {
-            float sum = 0.f;
-            for (int c = 0; c < n; ++c)
-              sum += blocks[diagonal[i]][n * c + m] * y[c];
-            work[n * i + m] = sum;
-          }
+          work[n * i + m] -= sum[m];
+        result.add(blocks[diagonal[i]].data(), &work[n * i]);
+        for (int m = 0; m < n; ++m)
+          work[n * i + m] = result[m];
       }
     return size;
   }

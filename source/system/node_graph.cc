@@ -28,6 +28,7 @@ namespace emmy
     place_of_node.resize(first_dofs.size());
     marked_by.assign(first_dofs.size(), dealii::numbers::invalid_unsigned_int);
     note_conditions(constraints);
+    find_plain_nodes();
     find_neighbours(cliques);
     refuse_matrix_entries(dim * dim * neighbours.size(), communicator);
     make_pattern(owned_dofs, known_dofs, communicator);
@@ -59,6 +60,17 @@ namespace emmy
             roots_of[unknown<dim>(node, c)].emplace_back(
               unknown<dim>(node_of_dof.at(dof - c), c), weight);
         }
+  }
+
+  template <int dim>
+  void
+  NodeGraph<dim>::find_plain_nodes()
+  {
+    is_plain.assign(first_dofs.size(), false);
+    for (unsigned int node = 0; node < n_owned; ++node)
+      is_plain[node] = std::all_of(is_free.begin() + dim * node,
+                                   is_free.begin() + dim * (node + 1),
+                                   [](const char free) { return free != 0; });
   }
 
   template <int dim>
@@ -313,12 +325,85 @@ namespace emmy
 
   template <int dim>
   void
+  NodeGraph<dim>::add(const unsigned int    *nodes,
+                      const ComponentBlocks &blocks,
+                      Matrix                &matrix) const
+  {
+    const unsigned int n = blocks.n_nodes;
+    if (!std::all_of(nodes, nodes + n, [this](const unsigned int node) {
+          return is_plain[node] != 0;
+        }))
+      {
+        blocks.copy_to<dim>(in_order);
+        return add(nodes, in_order, matrix);
+      }
+    for (unsigned int a = 0; a < n; ++a)
+      {
+        for (std::size_t k = first[nodes[a]]; k < first[nodes[a] + 1]; ++k)
+          place_of_node[neighbours[k]] = dim * k;
+        for (unsigned int i = 0; i < dim; ++i)
+          {
+            double *row = matrix.trilinos_matrix()[unknown<dim>(nodes[a], i)];
+            const double *values =
+              blocks.values +
+              static_cast<std::size_t>(i * dim * blocks.stride + a) *
+                blocks.stride;
+            for (unsigned int b = 0; b < n; ++b)
+              {
+                const unsigned int *place = &places[place_of_node[nodes[b]]];
+                for (unsigned int j = 0; j < dim; ++j)
+                  row[place[j]] +=
+                    values[j * blocks.stride * blocks.stride + b];
+              }
+          }
+      }
+  }
+
+  template <int dim>
+  void
+  ComponentBlocks::copy_to(dealii::FullMatrix<double> &matrix) const
+  {
+    matrix.reinit(dim * n_nodes, dim * n_nodes, true);
+    for (unsigned int i = 0; i < dim; ++i)
+      for (unsigned int j = 0; j < dim; ++j)
+        for (unsigned int a = 0; a < n_nodes; ++a)
+          {
+            const double *of_node =
+              values +
+              static_cast<std::size_t>((i * dim + j) * stride + a) * stride;
+            double *row = &matrix(dim * a + i, 0);
+            for (unsigned int b = 0; b < n_nodes; ++b)
+              row[dim * b + j] = of_node[b];
+          }
+  }
+
+  template <int dim>
+  void
   NodeGraph<dim>::add_components(const unsigned int               *nodes,
                                  const dealii::FullMatrix<double> &nodal,
                                  const Conditions                  conditions,
                                  Matrix                           &matrix) const
   {
     const unsigned int n = nodal.m();
+    if (std::all_of(nodes, nodes + n, [&](const unsigned int node) {
+          return conditions == Conditions::left_out ? node < n_owned
+                                                    : is_plain[node] != 0;
+        }))
+      {
+        for (unsigned int a = 0; a < n; ++a)
+          {
+            for (std::size_t k = first[nodes[a]]; k < first[nodes[a] + 1]; ++k)
+              place_of_node[neighbours[k]] = dim * k;
+            for (unsigned int c = 0; c < dim; ++c)
+              {
+                double *row =
+                  matrix.trilinos_matrix()[unknown<dim>(nodes[a], c)];
+                for (unsigned int b = 0; b < n; ++b)
+                  row[places[place_of_node[nodes[b]] + c]] += nodal(a, b);
+              }
+          }
+        return;
+      }
     for (unsigned int c = 0; c < dim; ++c)
       {
         list.clear();
@@ -389,6 +474,10 @@ namespace emmy
     members.clear();
   }
 
+  template void
+  ComponentBlocks::copy_to<2>(dealii::FullMatrix<double> &) const;
+  template void
+  ComponentBlocks::copy_to<3>(dealii::FullMatrix<double> &) const;
   template class NodeGraph<2>;
   template class NodeGraph<3>;
   template class BlockSum<2>;

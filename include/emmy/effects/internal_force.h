@@ -3,6 +3,7 @@
 
 #include <deal.II/lac/full_matrix.h>
 
+#include <emmy/effects/cell_matrix.h>
 #include <emmy/effects/stress_states.h>
 
 #include <emmy/material/middle_step.h>
@@ -59,10 +60,12 @@ namespace emmy
     /** What add() works on and with. */
     struct Assembly
     {
-      StressBatch<dim>           batch;
-      MiddleStep<dim>            middle;
-      std::vector<double>        nodal_force;
-      dealii::FullMatrix<double> stiffness;
+      StressBatch<dim>    batch;
+      MiddleStep<dim>     middle;
+      std::vector<double> nodal_force;
+      CellMatrix<dim>     stiffness;
+      /** In place of stiffness where places move, and for sum. */
+      dealii::FullMatrix<double> block;
       /** Where groups are small, and overlap. */
       std::optional<BlockSum<dim>> sum;
     };
@@ -77,6 +80,13 @@ namespace emmy
               const Group         &group,
               Assembly            &work,
               Matrix              *jacobian) const;
+
+    /** Add the matrix of a group. */
+    void
+    add_block(const StepData<dim> &step,
+              const Group         &group,
+              Assembly            &work,
+              Matrix              &jacobian) const;
 
     /**
      * The stress of up to max_batch_points points of a group, from point

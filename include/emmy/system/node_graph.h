@@ -16,6 +16,22 @@
 namespace emmy
 {
   /**
+   * A small matrix of the unknowns of some nodes, component by component: that
+   * of components i, j at nodes a, b stands at
+   * values[((i dim + j) stride + a) stride + b].
+   */
+  struct ComponentBlocks
+  {
+    const double *values;
+    unsigned int  n_nodes, stride;
+
+    /** The same as (dim a + i, dim b + j). */
+    template <int dim>
+    void
+    copy_to(dealii::FullMatrix<double> &matrix) const;
+  };
+
+  /**
    * Which nodes of an active grid meet in its matrices, and where their
    * entries stand. Nodes are local indices; dim unknowns follow each other at
    * a node, and all of them meet. Small matrices of nodes that meet are added
@@ -84,6 +100,12 @@ namespace emmy
         const dealii::FullMatrix<double> &block,
         Matrix                           &matrix) const;
 
+    /** The same in another order; all nodes meet. */
+    void
+    add(const unsigned int    *nodes,
+        const ComponentBlocks &blocks,
+        Matrix                &matrix) const;
+
     /** Add a matrix of nodes to each component of the unknowns. */
     void
     add_components(const unsigned int               *nodes,
@@ -100,6 +122,8 @@ namespace emmy
 
     void
     note_conditions(const Constraints &constraints);
+    void
+    find_plain_nodes();
     void
     find_neighbours(std::vector<Clique> cliques);
     void
@@ -134,7 +158,9 @@ namespace emmy
     unsigned int n_owned = 0; ///< nodes
     /** By local unknown: whether it has no condition, and whether it follows.
      */
-    std::vector<char>                        is_free, is_following;
+    std::vector<char> is_free, is_following;
+    /** By local node: whether it is owned, and no unknown has a condition. */
+    std::vector<char>                        is_plain;
     std::unordered_map<unsigned int, Shares> roots_of;
 
     /** Neighbours of a node, sorted: from [first[node]] to [first[node + 1]].
@@ -152,7 +178,7 @@ namespace emmy
     mutable Unknowns                                           list, extended;
     mutable Dofs                                               dofs;
     mutable std::vector<Shares>                                shares;
-    mutable dealii::FullMatrix<double> half_condensed, condensed;
+    mutable dealii::FullMatrix<double> in_order, half_condensed, condensed;
   };
 
   /**

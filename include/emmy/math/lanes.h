@@ -1,0 +1,46 @@
+#ifndef emmy_math_lanes_h
+#define emmy_math_lanes_h
+
+/**
+ * Before a function: it is compiled for several instruction sets, and the
+ * processor chooses when the program starts. What it calls must be inlined.
+ * Where the compiler cannot do so, it is compiled once.
+ */
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && \
+  defined(__linux__) && !defined(__AVX512F__) &&                       \
+  !defined(__SANITIZE_ADDRESS__)
+#  define EMMY_CLONES \
+    __attribute__((target_clones("avx512f", "fma", "default")))
+#else
+#  define EMMY_CLONES
+#endif
+
+/** For what functions with clones call. */
+#define EMMY_INLINE inline __attribute__((always_inline))
+
+namespace emmy
+{
+  /**
+   * Numbers side by side, as of several points or nodes: an operation acts on
+   * all of them. Compiled to the widest registers that there are. (A vector of
+   * GCC and Clang; never handed on by value, since how that is done depends on
+   * the instruction set.)
+   */
+  template <int n>
+  struct LanesOf;
+  template <>
+  struct LanesOf<4>
+  {
+    typedef double type __attribute__((vector_size(32)));
+  };
+  template <>
+  struct LanesOf<8>
+  {
+    typedef double type __attribute__((vector_size(64)));
+  };
+
+  constexpr unsigned int n_lanes = 8;
+  using Lanes                    = LanesOf<n_lanes>::type;
+} // namespace emmy
+
+#endif
