@@ -138,6 +138,17 @@ namespace emmy
   }
 
 
+  double
+  Phases::seconds_here(const std::string_view effects) const
+  {
+    double seconds = 0.;
+    for (const Entry &entry : effects_of_run)
+      if (entry.name.compare(0, effects.size(), effects) == 0)
+        seconds += entry.seconds;
+    return seconds;
+  }
+
+
   std::vector<Phases::Row>
   Phases::combined(const Entries &entries) const
   {

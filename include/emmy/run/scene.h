@@ -72,6 +72,7 @@ namespace emmy
     RunState<dim>                                  state;
     dealii::Particles::ParticleHandler<dim>       &particles = state.particles;
     std::unique_ptr<TimeIntegrator<dim>>           stepper;
+    RankBalance<dim>                               rank_balance;
     std::vector<std::unique_ptr<Measurement<dim>>> measurements;
     /** On which particles effects act, in words. */
     std::vector<std::string> notes;
