@@ -8,10 +8,14 @@ doc/scaling.md; speed needs an idle machine, the others do not.
       largest memory of a rank, with and without what a rank without particles has
   ranks.py messages EMMY SOURCE_ROOT MPI_LAUNCHER [--ranks 2,4,8] [--cells 32]...
       what a rank sends in a step; needs the target count_messages
+  ranks.py work     EMMY SOURCE_ROOT MPI_LAUNCHER [--times 3] [--cells 32]...
+      how many particles a cell counts for (grid/cell_work.h), from 2 and 3 particles
+      per direction: seconds of the processor, the least of some runs on one rank
 """
 import argparse
 import json
 import os
+import resource
 import statistics
 import subprocess
 import sys
@@ -136,9 +140,34 @@ def messages(arguments, cells):
                   "iterations)", flush=True)
 
 
+def work(arguments, cells):
+    few, many = 2, 6
+    pairs = []  # particles, active cells, seconds
+    for per_direction in (2, 3):
+        seconds = {few: [], many: []}
+        for _ in range(arguments.times):
+            for steps in (few, many):
+                before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+                timing = run(arguments, 1, cells, steps,
+                             [f"Bodies/beam/Points per direction={per_direction}"])
+                seconds[steps].append(resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before)
+        with open(os.path.join(arguments.work, "run", "ledger.csv")) as file:
+            lines = file.read().splitlines()
+        row = dict(zip(lines[0].split(","), lines[-1].split(",")))
+        pairs.append((float(row["particles"]), float(row["active_cells"]),
+                      (min(seconds[many]) - min(seconds[few])) / (many - few)))
+    (n, c, t), (n_2, c_2, t_2) = pairs
+    of_point = (t * c_2 - t_2 * c) / (n * c_2 - n_2 * c)
+    of_cell = (t - of_point * n) / c
+    print(f"{cells} cells along the beam, {arguments.functions}, {arguments.geometry}: a step takes "
+          f"{1e6 * of_point:.1f} us of a particle and {1e6 * of_cell:.0f} us of an active cell, "
+          f"as much as {of_cell / of_point:.0f} particles ({n:.0f} and {n_2:.0f} in {c:.0f} and "
+          f"{c_2:.0f} cells)", flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("what", choices=["speed", "memory", "messages"])
+    parser.add_argument("what", choices=["speed", "memory", "messages", "work"])
     parser.add_argument("emmy")
     parser.add_argument("root")
     parser.add_argument("launcher")
@@ -150,11 +179,11 @@ def main():
     parser.add_argument("--functions", default="linear")
     parser.add_argument("--geometry", default="start")
     arguments = parser.parse_args()
-    usual = {"speed": [52, 96], "memory": [52], "messages": [32]}[arguments.what]
+    usual = {"speed": [52, 96], "memory": [52], "messages": [32], "work": [32]}[arguments.what]
     with tempfile.TemporaryDirectory() as arguments.work:
         for cells in arguments.cells or usual:
-            {"speed": speed, "memory": memory, "messages": messages}[arguments.what](
-                arguments, cells)
+            {"speed": speed, "memory": memory, "messages": messages, "work": work}[
+                arguments.what](arguments, cells)
 
 
 main()

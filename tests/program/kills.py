@@ -29,13 +29,15 @@ SCENES = {
                                 "Bodies/right/Points per direction=4", "Output/Frames=20"]),
     # in three dimensions
     "3d": ("validation/two-balls.prm", ["Time/Maximum steps=25", "Output/Frames=10"]),
-    # a block that flies through a large grid, whose window follows; in some seconds
+    # a block that flies through a large grid, whose window follows, while ranks hand
+    # over cells; in some seconds
     "flight": ("examples/shaken-block.prm", ["Grid/Upper corner=40, 40", "Grid/Cells=160, 160",
                                              "Boundary conditions/Fixed=",
                                              "Boundary conditions/Velocity of y-min=",
                                              "Bodies/block/box/Lower corner=2, 2",
                                              "Bodies/block/box/Upper corner=3, 3.5",
                                              "Bodies/block/Initial velocity=18 + y; 12 - x",
+                                             "Ranks/Rebalance above=1.02",
                                              "Time/Maximum steps=60", "Output/Frames=40"]),
     # a wall that moves, in some seconds
     "short": ("examples/shaken-block.prm", ["Time/Maximum steps=40", "Output/Frames=10"]),

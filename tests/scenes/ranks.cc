@@ -90,7 +90,7 @@ namespace
     check(never.n_times == 0,
           "a bound that is never passed hands nothing over");
     check(never.n_uneven > 20, "the scene does get uneven");
-    const Flight balanced = fly(flight("1.1"), 90);
+    const Flight balanced = fly(flight("1.08"), 90);
     check(balanced.n_times > 0, "cells are handed over");
     check(balanced.n_times < 45, "but not in most steps");
     at_most("particles of the busiest rank over the mean",
@@ -124,8 +124,8 @@ namespace
   void
   test_end()
   {
-    const Flight flown  = fly(flight("1.1", "set Maximum steps = 12\n"), 12);
-    const Flight longer = fly(flight("1.1"), 12);
+    const Flight flown  = fly(flight("1.08", "set Maximum steps = 12\n"), 12);
+    const Flight longer = fly(flight("1.08"), 12);
     check(longer.n_times > 0, "with steps to come cells are handed over");
     check(flown.n_times < longer.n_times, "without, it does not pay");
   }
