@@ -138,22 +138,42 @@ namespace emmy
   }
 
 
+  double
+  Phases::seconds_here(const std::string_view effects) const
+  {
+    double seconds = 0.;
+    for (const Entry &entry : effects_of_run)
+      if (entry.name.compare(0, effects.size(), effects) == 0)
+        seconds += entry.seconds;
+    return seconds;
+  }
+
+
   std::vector<Phases::Row>
   Phases::combined(const Entries &entries) const
   {
     // Ranks usually know the same names, but what only one rank does (a
     // picture drawn by rank 0) must not let the others wait for ever.
     using Name = std::pair<std::string, std::string>; // and what it is within
-    std::vector<Name> own_names, names;
+    // So rank 0 tells its names, and the others those that it has not.
+    std::vector<Name> names, further;
     for (const Entry &entry : entries)
-      own_names.emplace_back(entry.name, entry.within);
-    for (const auto &names_of_rank :
-         dealii::Utilities::MPI::all_gather(communicator, own_names))
-      for (const Name &name : names_of_rank)
-        if (std::find_if(names.begin(), names.end(), [&](const Name &other) {
-              return other.first == name.first;
-            }) == names.end())
-          names.push_back(name);
+      names.emplace_back(entry.name, entry.within);
+    names = dealii::Utilities::MPI::broadcast(communicator, names);
+    const auto is_known = [&](const Name &name) {
+      return std::find_if(names.begin(), names.end(), [&](const Name &other) {
+               return other.first == name.first;
+             }) != names.end();
+    };
+    for (const Entry &entry : entries)
+      if (!is_known({entry.name, entry.within}))
+        further.emplace_back(entry.name, entry.within);
+    if (dealii::Utilities::MPI::max(further.size(), communicator) > 0)
+      for (const auto &names_of_rank :
+           dealii::Utilities::MPI::all_gather(communicator, further))
+        for (const Name &name : names_of_rank)
+          if (!is_known(name))
+            names.push_back(name);
 
     std::vector<Row> rows;
     for (const auto &[name, within] : names)

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 
 namespace emmy
 {
@@ -119,6 +120,33 @@ namespace emmy
           fed.update_ghost_values();
         }
     }
+    /** Nodes and their classes, to all ranks that may own them. Collective. */
+    template <int dim>
+    std::vector<std::pair<CellKey<dim>, bool>>
+    sent_to_owners(const std::vector<std::pair<CellKey<dim>, bool>> &nodes,
+                   const BackgroundGrid<dim>                        &grid)
+    {
+      using Nodes = std::vector<std::pair<CellKey<dim>, bool>>;
+      std::map<unsigned int, Nodes> outgoing;
+      for (const auto &node : nodes)
+        {
+          std::set<unsigned int> ranks;
+          for (const CellKey<dim> &cell : grid.cells_at_node(node.first))
+            for (const unsigned int rank : grid.possible_owners(cell))
+              ranks.insert(rank);
+          for (const unsigned int rank : ranks)
+            outgoing[rank].push_back(node);
+        }
+      Nodes result;
+      for (const auto &[sender, incoming] :
+           dealii::Utilities::MPI::some_to_some(grid.communicator(), outgoing))
+        {
+          (void)sender;
+          result.insert(result.end(), incoming.begin(), incoming.end());
+        }
+      std::sort(result.begin(), result.end());
+      return result;
+    }
   } // namespace
 
   template <int dim>
@@ -130,14 +158,7 @@ namespace emmy
     auto old = before.active;
     // all ranks renew their partition together; one that has none yet differs
     if (before.fed.get_partitioner() != now.fed.get_partitioner())
-      {
-        const auto all =
-          dealii::Utilities::MPI::all_gather(grid.communicator(), old);
-        old.clear();
-        for (const auto &part : all)
-          old.insert(old.end(), part.begin(), part.end());
-        std::sort(old.begin(), old.end());
-      }
+      old = sent_to_owners<dim>(old, grid);
     std::uint64_t n     = 0;
     auto          entry = old.begin();
     for (const auto &[place, is_fed] : now.active)

@@ -4,6 +4,7 @@
 #include <emmy/base/index_limits.h>
 #include <emmy/base/text.h>
 #include <emmy/grid/background_grid.h>
+#include <emmy/grid/cell_work.h>
 
 #include <algorithm>
 #include <cmath>
@@ -49,7 +50,7 @@ namespace emmy
     make_cells();
     find_cells();
     if (dealii::Utilities::MPI::n_mpi_processes(communicator()) > 1)
-      repartition(occupied);
+      repartition();
     number_nodes();
   }
 
@@ -88,6 +89,7 @@ namespace emmy
   BackgroundGrid<dim>::find_cells()
   {
     cells_by_number.clear();
+    n_owned = 0;
     CellKey<dim> first{}, last{};
     first.fill(std::numeric_limits<unsigned int>::max());
     for (const auto &cell : cells.active_cell_iterators())
@@ -100,12 +102,14 @@ namespace emmy
           if (!is_cell)
             continue;
           cells_by_number.emplace_back(number_of(place), cell);
-          if (cell->is_locally_owned())
-            for (unsigned int d = 0; d < dim; ++d)
-              {
-                first[d] = std::min(first[d], place[d]);
-                last[d]  = std::max(last[d], place[d]);
-              }
+          if (!cell->is_locally_owned())
+            continue;
+          ++n_owned;
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              first[d] = std::min(first[d], place[d]);
+              last[d]  = std::max(last[d], place[d]);
+            }
         }
     std::sort(cells_by_number.begin(),
               cells_by_number.end(),
@@ -116,11 +120,11 @@ namespace emmy
   }
 
   template <int dim>
-  void
-  BackgroundGrid<dim>::repartition(const std::vector<Occupied> &occupied)
+  std::vector<typename BackgroundGrid<dim>::Occupied>
+  BackgroundGrid<dim>::covered_here() const
   {
     std::map<unsigned int, std::vector<Occupied>> outgoing;
-    for (const Occupied &cell : occupied)
+    for (const Occupied &cell : last_covered)
       for (const unsigned int rank : possible_owners(cell.first))
         outgoing[rank].push_back(cell);
     std::map<CellKey<dim>, unsigned int> n_points;
@@ -129,12 +133,24 @@ namespace emmy
       {
         (void)sender;
         for (const auto &[place, n] : incoming)
-          n_points[place] += n;
+          if (const Cell cell = cell_at(place);
+              cell != cells.end() && cell->is_locally_owned())
+            n_points[place] += n;
       }
+    return {n_points.begin(), n_points.end()};
+  }
+
+  template <int dim>
+  void
+  BackgroundGrid<dim>::repartition()
+  {
+    const std::vector<Occupied>                occupied = covered_here();
+    const std::map<CellKey<dim>, unsigned int> n_points(occupied.begin(),
+                                                        occupied.end());
     const auto connection = cells.signals.weight.connect(
       [&](const auto &cell, const auto) -> unsigned int {
         const auto found = n_points.find(key_of(cell));
-        return 1 + (found == n_points.end() ? 0 : found->second);
+        return work_of_cell(found == n_points.end() ? 0 : found->second);
       });
     cells.repartition();
     connection.disconnect();
@@ -163,13 +179,6 @@ namespace emmy
             node_keys[node_partition->global_to_local(
               cell->vertex_dof_index(v, 0))] = place;
           }
-  }
-
-  template <int dim>
-  const Window<dim> &
-  BackgroundGrid<dim>::window() const
-  {
-    return part;
   }
 
   template <int dim>
@@ -268,20 +277,6 @@ namespace emmy
   BackgroundGrid<dim>::communicator() const
   {
     return cells.get_communicator();
-  }
-
-  template <int dim>
-  const dealii::Triangulation<dim> &
-  BackgroundGrid<dim>::triangulation() const
-  {
-    return cells;
-  }
-
-  template <int dim>
-  const dealii::Mapping<dim> &
-  BackgroundGrid<dim>::mapping() const
-  {
-    return cartesian;
   }
 
   template <int dim>

@@ -177,14 +177,21 @@ namespace emmy
     for (const Body<dim> &body : bodies)
       {
         const ParticleLayout<dim> lattice(body, grid);
-        for_each_cell<dim>(reached_cells(*body.shape, grid),
-                           [&](const auto &cell) {
-                             // ranks take the layers in turn
-                             if (cell.back() % n_ranks == rank)
-                               if (const auto points = lattice.points_in(cell);
-                                   !points.empty())
-                                 result.emplace_back(cell, points.size());
-                           });
+        const auto                reached = reached_cells(*body.shape, grid);
+        // ranks take the layers in turn
+        for (unsigned int layer = reached[0].back(); layer <= reached[1].back();
+             ++layer)
+          if (layer % n_ranks == rank)
+            {
+              auto within      = reached;
+              within[0].back() = layer;
+              within[1].back() = layer;
+              for_each_cell<dim>(within, [&](const auto &cell) {
+                if (const auto points = lattice.points_in(cell);
+                    !points.empty())
+                  result.emplace_back(cell, points.size());
+              });
+            }
       }
     return result;
   }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <vector>
 
 namespace emmy
 {
@@ -56,15 +57,14 @@ namespace emmy
         local_sums[6] += x[2] * momentum[0] - x[0] * momentum[2];
         local_sums[7] += x[0] * momentum[1] - x[1] * momentum[0];
       }
-    std::array<double, 8> sums;
-    for (unsigned int i = 0; i < sums.size(); ++i)
-      sums[i] =
-        dealii::Utilities::MPI::sum(local_sums[i].value(), communicator);
+    std::vector<double> sums;
+    for (const Sum &sum : local_sums)
+      sums.push_back(sum.value());
+    sums.push_back(points.n_points()); // exact up to 2^53
+    dealii::Utilities::MPI::sum(sums, communicator, sums);
 
     Totals totals;
-    totals.particles =
-      dealii::Utilities::MPI::sum(static_cast<std::uint64_t>(points.n_points()),
-                                  communicator);
+    totals.particles      = static_cast<std::uint64_t>(sums[8]);
     totals.mass           = sums[0];
     totals.kinetic_energy = sums[1];
     for (unsigned int d = 0; d < 3; ++d)

@@ -162,6 +162,7 @@ namespace emmy
               {"steps", counts.steps},
               {"halvings", counts.halvings},
               {"damped_steps", counts.damped},
+              {"rebalancings", counts.rebalancings},
               {"newton_iterations",
                whole(sum_of(ledger, "newton_iterations", counts.steps))},
               {"linear_iterations",

@@ -79,7 +79,7 @@ namespace emmy
     may_differ(const std::string &path)
     {
       for (const char *section :
-           {"Output/", "Solver/", "Checkpoint/", "Start/"})
+           {"Output/", "Solver/", "Checkpoint/", "Ranks/", "Start/"})
         if (starts_with(path, section))
           return true;
       if (starts_with(path, "Time/"))

@@ -150,6 +150,7 @@ namespace emmy
           course.largest_energy =
             std::max(course.largest_energy, parts.ledger.total_energy());
           ++course.counts.steps;
+          course.counts.rebalancings = scene.rank_balance.n_times();
           course.counts.halvings += report.halvings;
           course.counts.damped += report.is_damped;
           scene.state.struggles.halvings += report.halvings;
@@ -244,6 +245,7 @@ namespace emmy
       for (const CountedEffect &effect : card.effects)
         if (effect.card.is_present)
           present.push_back(effect.card);
+      scene.rank_balance.print(tail, scene.state);
       const Price price(scene.phases, present, scene.grid.communicator());
       price.print(tail, parts.ledger);
       attempt([&] {

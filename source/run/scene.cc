@@ -153,6 +153,7 @@ namespace emmy
                          boundary_conditions)
                      : nullptr)
     , stepper(make_stepper(parameters))
+    , rank_balance(parameters.ranks, parameters.time, grid, phases)
     , parameters(parameters)
   {
     const auto scope = phases.scope("setup");
@@ -225,7 +226,10 @@ namespace emmy
   StepReport
   Scene<dim>::advance()
   {
-    StepReport report = stepper->advance();
+    const std::string handed_over = rank_balance.before_step(state);
+    StepReport        report      = stepper->advance();
+    if (!handed_over.empty())
+      report.findings.insert(report.findings.begin(), handed_over);
     if (!state.told.crossed_cells && occupancy() != state.occupancy_at_start)
       {
         state.told.crossed_cells = true;

@@ -128,13 +128,11 @@ namespace emmy
           hidden += 0.5 * mass[p] * d.norm_square();
           pic += mass[p] * (w * d + 0.5 * (1. + alpha) * d.norm_square());
         }
-    const MPI_Comm communicator = start.active->communicator();
-    result.lumping_loss         = 0.5 * mapping.lumping *
-                          dealii::Utilities::MPI::sum(lumping, communicator);
-    result.mapping_loss =
-      (1. - alpha) * dealii::Utilities::MPI::sum(pic, communicator);
-    result.hidden_kinetic_energy =
-      dealii::Utilities::MPI::sum(hidden, communicator);
+    std::vector<double> sums{lumping, pic, hidden};
+    dealii::Utilities::MPI::sum(sums, start.active->communicator(), sums);
+    result.lumping_loss          = 0.5 * mapping.lumping * sums[0];
+    result.mapping_loss          = (1. - alpha) * sums[1];
+    result.hidden_kinetic_energy = sums[2];
   }
 
   template <int dim>

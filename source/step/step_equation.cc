@@ -206,14 +206,17 @@ namespace emmy
     std::vector<EnergyEntry> entries;
     balance.for_each(
       step.phases, &Effect<dim>::is_force, [&](Effect<dim> &effect) {
-        for (auto entry : effect.energies(step, solution, trial_states))
-          {
-            entry.change =
-              dealii::Utilities::MPI::sum(entry.change,
-                                          step.start.active->communicator());
-            entries.push_back(entry);
-          }
+        for (const auto &entry : effect.energies(step, solution, trial_states))
+          entries.push_back(entry);
       });
+    std::vector<double> changes;
+    for (const EnergyEntry &entry : entries)
+      changes.push_back(entry.change);
+    dealii::Utilities::MPI::sum(changes,
+                                step.start.active->communicator(),
+                                changes);
+    for (std::size_t i = 0; i < entries.size(); ++i)
+      entries[i].change = changes[i];
     if (balance.has_loads())
       entries.push_back(
         {"load_work", EnergyEntry::Kind::work, external_force * solution});

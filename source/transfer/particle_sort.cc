@@ -8,6 +8,20 @@ namespace emmy
 {
   namespace
   {
+    /** Add all particles, each with its cell. */
+    template <int dim>
+    void
+    pack(const dealii::Particles::ParticleHandler<dim> &particles,
+         const BackgroundGrid<dim>                     &grid,
+         Parcel<dim>                                   &parcel)
+    {
+      parcel.values.reserve(parcel.values.size() +
+                            particles.n_locally_owned_particles() *
+                              parcel.n_numbers());
+      for (const auto &particle : particles)
+        parcel.add(grid.key_of(particle.get_surrounding_cell()), particle);
+    }
+
     /** The window for these particles. Nothing else may be in the handler. */
     template <int dim>
     void
@@ -22,6 +36,17 @@ namespace emmy
       particles.reserve(parcel.n_particles());
     }
   } // namespace
+
+  template <int dim>
+  void
+  distribute_anew(BackgroundGrid<dim>                     &grid,
+                  dealii::Particles::ParticleHandler<dim> &particles)
+  {
+    Parcel<dim> parcel(particles.n_properties_per_particle());
+    pack(particles, grid, parcel);
+    move_window(parcel, grid, particles);
+    deliver(parcel, grid, particles);
+  }
 
   template <int dim>
   void
@@ -64,8 +89,7 @@ namespace emmy
     particles.remove_particles(leaving);
     if (dealii::Utilities::MPI::min(fits ? 1 : 0, grid.communicator()) == 0)
       {
-        for (const auto &particle : particles)
-          moving.add(grid.key_of(particle.get_surrounding_cell()), particle);
+        pack(particles, grid, moving);
         move_window(moving, grid, particles);
       }
     deliver(moving, grid, particles);
@@ -82,6 +106,12 @@ namespace emmy
                    "parameter file.");
   }
 
+  template void
+  distribute_anew<2>(BackgroundGrid<2> &,
+                     dealii::Particles::ParticleHandler<2> &);
+  template void
+  distribute_anew<3>(BackgroundGrid<3> &,
+                     dealii::Particles::ParticleHandler<3> &);
   template void
   sort_into_cells<2>(BackgroundGrid<2> &,
                      dealii::Particles::ParticleHandler<2> &);

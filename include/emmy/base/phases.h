@@ -136,6 +136,13 @@ namespace emmy
     std::vector<Row>
     effects() const;
 
+    /**
+     * Seconds of this rank in effects whose names begin so, and that are not
+     * part of one another. No communication.
+     */
+    double
+    seconds_here(const std::string_view effects) const;
+
     /** Collective: seconds since construction, of the slowest rank. */
     double
     total_seconds() const;

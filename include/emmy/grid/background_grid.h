@@ -59,12 +59,15 @@ namespace emmy
     communicator() const;
 
     const dealii::Triangulation<dim> &
-    triangulation() const;
+    triangulation() const
+    {
+      return cells;
+    }
 
     /**
      * Choose the window that holds these cells with a margin (see
-     * Window::around()), and distribute its cells over the ranks: a point
-     * counts as much as an empty cell. Cells and ids of nodes that were
+     * Window::around()), and distribute its cells over the ranks by their work:
+     * see grid/cell_work.h. Cells and ids of nodes that were
      * obtained before are no longer valid. Collective.
      *
      * @param occupied each on any one rank, also in parts
@@ -83,12 +86,22 @@ namespace emmy
       return last_covered;
     }
 
+    /** Those of them that this rank owns now, with all points. Collective. */
+    std::vector<Occupied>
+    covered_here() const;
+
     /** The part of the grid that has cells. */
     const Window<dim> &
-    window() const;
+    window() const
+    {
+      return part;
+    }
 
     const dealii::Mapping<dim> &
-    mapping() const;
+    mapping() const
+    {
+      return cartesian;
+    }
 
     /** Lower and upper corner, m. */
     const dealii::Point<dim> &
@@ -187,6 +200,13 @@ namespace emmy
     Cell
     cell_at(const CellKey<dim> &key) const;
 
+    /** How many cells this rank owns, those that stick out left out. */
+    std::size_t
+    n_owned_cells() const
+    {
+      return n_owned;
+    }
+
     /** The cells that this rank owns, sorted by their places. */
     std::vector<Cell>
     owned_cells() const;
@@ -230,7 +250,7 @@ namespace emmy
     void
     find_cells();
     void
-    repartition(const std::vector<Occupied> &occupied);
+    repartition();
     void
     number_nodes();
     /** Sorts as places do. */
@@ -250,6 +270,7 @@ namespace emmy
     std::vector<CellKey<dim>> node_keys; // by local index
     /** Owned and neighbouring cells by number_of(), sorted. */
     std::vector<std::pair<std::uint64_t, Cell>> cells_by_number;
+    std::size_t                                 n_owned = 0;
     /** First and last place of the cells of each rank. */
     std::vector<std::pair<CellKey<dim>, CellKey<dim>>> boxes_of_ranks;
   };

@@ -73,6 +73,7 @@ namespace emmy
     RunState<dim>                                  state;
     dealii::Particles::ParticleHandler<dim>       &particles = state.particles;
     std::unique_ptr<TimeIntegrator<dim>>           stepper;
+    RankBalance<dim>                               rank_balance;
     std::vector<std::unique_ptr<Measurement<dim>>> measurements;
     std::vector<ParticleField<dim>> written_fields; ///< in particle files
     ParticleNumber<dim>             drawn_number;   ///< in pictures

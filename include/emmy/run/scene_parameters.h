@@ -12,6 +12,7 @@
 #include <emmy/particles/body.h>
 #include <emmy/run/checkpoint_parameters.h>
 #include <emmy/run/output_parameters.h>
+#include <emmy/run/rank_balance.h>
 #include <emmy/run/start.h>
 #include <emmy/solve/linear_solver.h>
 #include <emmy/step/small_cuts.h>
@@ -131,6 +132,7 @@ namespace emmy
     std::vector<std::unique_ptr<MeasurementParameters<dim>>> measurements;
     OutputParameters                                         output;
     CheckpointParameters                                     checkpoint;
+    RankParameters                                           ranks;
     StartParameters                                          start;
     /** Why starved nodes are free although the file does not say so; or empty.
      */

@@ -27,6 +27,16 @@ namespace emmy
   sort_into_cells(BackgroundGrid<dim>                     &grid,
                   dealii::Particles::ParticleHandler<dim> &particles);
 
+  /**
+   * Choose the window of the particles as they are, and distribute its cells
+   * with them over the ranks: see BackgroundGrid::cover(). Particles of a cell
+   * keep their order. Cost: about as much as a step. Collective.
+   */
+  template <int dim>
+  void
+  distribute_anew(BackgroundGrid<dim>                     &grid,
+                  dealii::Particles::ParticleHandler<dim> &particles);
+
   /** Where a particle shall be sorted to, m. */
   template <int dim>
   using PlaceOf = std::function<dealii::Point<dim>(
