@@ -262,9 +262,16 @@ namespace emmy
                      batch.material.step.left_cauchy_green_less_unit_old[p]
                        .norm_square())
             {
-              // d(psi + dissipation)/dC = S1/2
+              // d(psi + dissipation)/dC = S1/2, unless the material knows
+              // better
+              const MandelVector<dim> S_energy =
+                material.gives_energy_stress()
+                  ? Q * batch.material.energy_stress[p]
+                  : S1;
               const MandelVector<dim> gradient =
-                (S1 - S_average - 0.5 * (A * dS1) - (2. * correction) * B) / nu;
+                (S_energy - S_average - 0.5 * (A * dS1) -
+                 (2. * correction) * B) /
+                nu;
               dS += correction * Q_b + outer_product(B, gradient);
             }
           batch.tangent[p] = nominal_tangent<dim>(step.increment_mid,
