@@ -89,6 +89,9 @@ namespace emmy
 
       // in; symmetric tensors as in mandel, in the plane
       Lanes H[dim][dim], b_old[m], tau_old[m], tau[m], c[m][m];
+      /** MaterialBatch::energy_stress, where the material gives it. */
+      Lanes energy_stress[m];
+      bool  has_energy_stress = false;
 
       // from find_means(); tensors as they are
       Lanes F[dim][dim], inverse[dim][dim], Fm[dim][dim], b[dim][dim];
@@ -268,10 +271,20 @@ namespace emmy
       from_mandel<dim>(ac, w);
       Lanes w_inverse[dim][dim], rest[dim][dim], F_rest[dim][dim];
       product_transposed<dim>(w, p.inverse, w_inverse);
+      // d(psi + dissipation)/dC = S1/2, unless the material knows better
+      Lanes T[dim][dim], own[dim][dim];
+      const Lanes(*S_energy)[dim] = p.S1;
+      if (p.has_energy_stress)
+        {
+          from_mandel<dim>(p.energy_stress, T);
+          congruence<dim>(p.inverse, T, own);
+          S_energy = own;
+        }
       // S is S-bar + beta B by now
       for (int i = 0; i < dim; ++i)
         for (int j = 0; j < dim; ++j)
-          rest[i][j] = p.S1[i][j] - p.S[i][j] - p.slope_correction * p.B[i][j];
+          rest[i][j] =
+            S_energy[i][j] - p.S[i][j] - p.slope_correction * p.B[i][j];
       product<dim>(p.F, rest, F_rest);
       for (int i = 0; i < dim; ++i)
         for (int j = 0; j < dim; ++j)
@@ -410,6 +423,9 @@ namespace emmy
             for (unsigned int a = 0; a < m; ++a)
               for (unsigned int b = 0; b < m; ++b)
                 side.c[a][b][lane] = batch.material.spatial_tangent[p][a][b];
+          if (side.has_energy_stress)
+            for (unsigned int a = 0; a < m; ++a)
+              side.energy_stress[a][lane] = batch.material.energy_stress[p][a];
         }
     }
 
@@ -472,6 +488,8 @@ namespace emmy
     subtract_energies(material.gives_energy_change(), batch);
 
     Side<dim> side;
+    side.has_energy_stress =
+      batch.with_tangent && material.gives_energy_stress();
     for (unsigned int first = 0; first < batch.n_points; first += n_lanes)
       {
         put_side_by_side(batch, first, side);

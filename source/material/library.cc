@@ -1,4 +1,5 @@
-#include <emmy/material/hencky.h>
+#include <emmy/material/drucker_prager.h>
+#include <emmy/material/neo_hooke.h>
 #include <emmy/material/von_mises.h>
 
 namespace emmy
@@ -21,6 +22,20 @@ namespace emmy
                          section);
                      },
                      VonMisesParameters<dim>::card()});
+      materials.add({"Drucker-Prager",
+                     "Hencky elasticity with friction, cohesion, dilation and "
+                     "a tension cut-off: soils",
+                     [](const std::string &section) {
+                       return std::make_unique<DruckerPragerParameters<dim>>(
+                         section);
+                     },
+                     DruckerPragerParameters<dim>::card()});
+      materials.add({"neo-Hooke",
+                     "compressible neo-Hooke elasticity",
+                     [](const std::string &section) {
+                       return std::make_unique<NeoHookeParameters<dim>>(
+                         section);
+                     }});
       return materials;
     }();
     return library;

@@ -153,9 +153,12 @@ namespace emmy
                         "tension test, flow starts at sqrt(3/2) |s| = Yield "
                         "stress (eq. 63; s: deviator of the Kirchhoff "
                         "stress). deviatoric: flow starts at |s| = Yield "
-                        "stress (eq. 62), without hardening.",
+                        "stress (eq. 62), without hardening. undrained: it is "
+                        "the undrained strength s_u of a clay, flow starts at "
+                        "sqrt(1/2) |s| = s_u, without hardening; in plane "
+                        "strain this is Tresca's condition.",
                         this->prm,
-                        Selection("uniaxial|deviatoric"));
+                        Selection("uniaxial|deviatoric|undrained"));
   }
 
   template <int dim>
@@ -180,16 +183,21 @@ namespace emmy
             hardening_modulus,
             "must not be negative (Pa): softening would depend on the grid. "
             "Use 0 for no hardening.");
-    const bool is_deviatoric = yield_measure == "deviatoric";
-    require(!is_deviatoric || hardening_modulus == 0.,
+    const bool is_uniaxial  = yield_measure == "uniaxial";
+    const bool is_undrained = yield_measure == "undrained";
+    require(is_uniaxial || hardening_modulus == 0.,
             "Hardening modulus",
             hardening_modulus,
-            "must be 0 with Yield measure = deviatoric. To harden, use Yield "
-            "measure = uniaxial and sqrt(3/2) times the deviatoric Yield "
-            "stress.");
+            "must be 0 with Yield measure = " + yield_measure +
+              ". To harden, use Yield measure = uniaxial and " +
+              (is_undrained ? "sqrt(3) times the undrained strength."
+                            : "sqrt(3/2) times the deviatoric Yield stress."));
     return std::make_unique<VonMises<dim>>(
       elastic,
-      YieldSurface{(is_deviatoric ? 1. : sqrt_two_thirds) * yield_stress,
+      YieldSurface{(is_uniaxial    ? sqrt_two_thirds
+                    : is_undrained ? mandel::sqrt2
+                                   : 1.) *
+                     yield_stress,
                    hardening_modulus});
   }
 

@@ -189,6 +189,9 @@ namespace
            "set Poisson's ratio = 0.3\n" +
            (choice.material == "von Mises"
               ? "set Yield stress = 2\nset Hardening modulus = 5\n"
+            : choice.material == "Drucker-Prager"
+              ? "set Cohesion = 2\nset Friction angle = 20\n"
+                "set Dilation angle = 5\n"
               : "") +
            "end\nend\nsubsection Bodies\nset Names = block\n"
            "subsection block\nset Shape = box\nset Material = m\n"

@@ -3,6 +3,8 @@
 
 #include <deal.II/base/symmetric_tensor.h>
 
+#include <emmy/material/drucker_prager.h>
+#include <emmy/material/neo_hooke.h>
 #include <emmy/material/stress_rules.h>
 #include <emmy/material/von_mises.h>
 #include <emmy/math/kinematics.h>
@@ -69,6 +71,27 @@ namespace emmy
         {"von Mises, hardening",
          std::make_unique<VonMises<dim>>(constants,
                                          YieldSurface{8. * yield_scale, 20.})});
+      laws.push_back({"neo-Hooke", std::make_unique<NeoHooke<dim>>(constants)});
+      return laws;
+    }
+
+    /** The same, and soils. */
+    template <int dim>
+    std::vector<Law<dim>>
+    all_laws_and_soils()
+    {
+      std::vector<Law<dim>> laws = all_laws<dim>();
+      ElasticConstants      constants;
+      constants.density       = 5.;
+      constants.young_modulus = 100.;
+      constants.poisson_ratio = 0.3;
+      constants               = constants.completed("test");
+      // little friction: tests stay on the cone, whose apex is far
+      for (const double dilation : {0.15, 0.})
+        laws.push_back(
+          {dilation > 0. ? "Drucker-Prager" : "Drucker-Prager, no dilation",
+           std::make_unique<DruckerPrager<dim>>(
+             constants, DruckerPragerSurface{0.15, dilation, 7., 45.})});
       return laws;
     }
 

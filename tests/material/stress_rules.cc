@@ -7,7 +7,7 @@
 
 using namespace emmy;
 using dealii::Tensor;
-using test::all_laws;
+using test::all_laws_and_soils;
 using test::identity;
 using test::Law;
 using test::moved;
@@ -253,7 +253,7 @@ namespace
   void
   check_all()
   {
-    for (const Law<dim> &law : all_laws<dim>())
+    for (const Law<dim> &law : all_laws_and_soils<dim>())
       for (const std::string rule_name :
            {"conserving", "mid-point", "trapezoidal", "end-point"})
         {

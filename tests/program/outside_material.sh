@@ -49,16 +49,16 @@ sed -e 's/Dimension = 2/Dimension = 3/' -e 's/= 0, 0$/= 0, 0, 0/' \
   -e '/Initial velocity/s/$/; 0/' -e 's/= 8$/= 3/' "$example/block.prm" >space.prm
 emmy_run space.prm --set 'Time/Maximum steps=2' --set 'Output/Directory=space'
 check 'it runs in three dimensions' [ "$status" -eq 0 ]
-emmy_run "$example/block.prm" --set 'Materials/gum/Model=neo-Hook'
+emmy_run "$example/block.prm" --set 'Materials/gum/Model=my neo-Hook'
 check 'an unknown model is an error' [ "$status" -eq 1 ]
-check 'the message knows the new one' says err 'did you mean <neo-Hooke>?'
-check 'and lists it' says err 'Known are: Hencky, von Mises, neo-Hooke.'
+check 'the message knows the new one' says err 'did you mean <my neo-Hooke>?'
+check 'and lists it' says err 'Known are: Hencky, von Mises, Drucker-Prager, neo-Hooke, my neo-Hooke.'
 emmy_run --list
-check 'the list of what there is has it' has_lines 1 out '^  neo-Hooke +neo-Hooke elasticity$'
+check 'the list of what there is has it' has_lines 1 out '^  my neo-Hooke +neo-Hooke elasticity$'
 emmy_run --check --all "$example/block.prm"
-check 'the scene card has it' matches out '^    material gum +0 +0  Newton, internal force: neo-Hooke$'
+check 'the scene card has it' matches out '^    material gum +0 +0  Newton, internal force: my neo-Hooke$'
 emmy_run --print-parameters
-check 'the reference of parameters has it' matches out 'set Model += neo-Hooke'
+check 'the reference of parameters has it' matches out 'set Model += my neo-Hooke'
 
 built 'install' --install "$build" --prefix "$work/installed"
 built 'configure with the installation' -S "$example" -B other \

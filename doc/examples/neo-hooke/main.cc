@@ -77,7 +77,7 @@ make(const std::string &section)
 int
 main(int argc, char *argv[])
 {
-  material_library<2>().add({"neo-Hooke", "neo-Hooke elasticity", make<2>});
-  material_library<3>().add({"neo-Hooke", "neo-Hooke elasticity", make<3>});
+  material_library<2>().add({"my neo-Hooke", "neo-Hooke elasticity", make<2>});
+  material_library<3>().add({"my neo-Hooke", "neo-Hooke elasticity", make<3>});
   return run_program(argc, argv);
 }

@@ -69,6 +69,12 @@ namespace emmy
      */
     PerPoint<double> stored_energy_change, hardening_energy_change;
     /**
+     * Of flow that is not associated: the stress-like tensor T with
+     * d(stored + hardening energy + dissipation) = T : d(trial strain), Pa.
+     * Only if with_tangent, of materials that give it.
+     */
+    PerPoint<MandelVector<dim>> energy_stress;
+    /**
      * Spatial tangent c of the Lie derivative, L_v tau = c : d, Pa: that is
      * c = d tau / d(strain increment) - (tau d + d tau). Only if
      * with_tangent.
@@ -93,7 +99,8 @@ namespace emmy
    * dissipated. The tangent of the conserving stress needs
    * d(psi + dissipation)/d(trial strain) = tau, with psi the elastic and the
    * hardening energy. This holds for elasticity, and for flow that is
-   * associative and maximises the dissipation.
+   * associative and maximises the dissipation. A material with other flow
+   * gives what stands there instead, as energy_stress.
    */
   template <int dim>
   class Material
@@ -122,6 +129,13 @@ namespace emmy
      */
     virtual bool
     gives_energy_change() const
+    {
+      return false;
+    }
+
+    /** Whether evaluate() fills energy_stress: flow is not associated. */
+    virtual bool
+    gives_energy_stress() const
     {
       return false;
     }
