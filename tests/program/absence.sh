@@ -78,7 +78,7 @@ section()
     /^subsection/ { of_effects = $2 == "Effects" }
     of_effects && $0 == "  subsection " name { inside = 1 }
     inside && /^    set (Acceleration|Force) / { $0 = $0 "3" }
-    inside && /= [0-9.]+$/ { sub(/[0-9.]+$/, 2 * $NF) }
+    inside && /= [0-9.]+$/ { sub(/[0-9.]+$/, 2 * $NF + 1) }
     inside && /^  (  set|subsection|end)/
     inside && /^  end/ { exit }
   ' "$1"
@@ -102,7 +102,9 @@ while read -r section; do
     log "$here" >unused.log
     check "$here: one line more in the log" [ "$(diff $scene.log unused.log | grep '^[<>]')" = \
       ">   note: section Effects/$section is not used, because Effects/Names does not list <$effect>" ]
-    check "$here: its values were read" [ "$(grep -v 'set Directory' "$here/parameters.prm" | cksum)" != \
+    # Tools alone has none before a tool is named
+    ! matches unused.section '= [0-9.]*[1-9]' ||
+      check "$here: its values were read" [ "$(grep -v 'set Directory' "$here/parameters.prm" | cksum)" != \
       "$(grep -v 'set Directory' $scene/parameters.prm | cksum)" ]
   done
 done <sections
