@@ -1,10 +1,10 @@
 #include <deal.II/lac/solver_bicgstab.h>
 #include <deal.II/lac/solver_control.h>
-#include <deal.II/lac/solver_gmres.h>
 #include <deal.II/lac/trilinos_solver.h>
 
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/solve/gmres.h>
 #include <emmy/solve/linear_solver.h>
 #include <emmy/solve/preconditioner.h>
 
@@ -189,31 +189,40 @@ namespace emmy
       }
 
     private:
+      static std::string
+      not_reached(const double goal, const unsigned int iterations)
+      {
+        return " did not reach the residual " + shortest(goal) + " in " +
+               std::to_string(iterations) + " iterations";
+      }
+
       LinearResult
       run(Vector            &x,
           const Vector      &b,
           const double       goal,
           const unsigned int most) const
       {
-        LinearResult          result;
+        LinearResult result;
+        if (method == "GMRES")
+          {
+            Gmres gmres(*matrix, *preconditioner, /*restart=*/50);
+            result.is_solved  = gmres.solve(x, b, goal, most);
+            result.iterations = gmres.iterations();
+            if (!result.is_solved)
+              result.problem =
+                name() + (gmres.is_broken()
+                            ? " broke down"
+                            : not_reached(goal, result.iterations));
+            return result;
+          }
         dealii::SolverControl control(most, goal);
         x = 0.;
         try
           {
-            if (method == "GMRES")
-              {
-                constexpr unsigned int restart = 50;
-                dealii::SolverGMRES<Vector>(
-                  control,
-                  dealii::SolverGMRES<Vector>::AdditionalData(
-                    restart + 2, /*right_preconditioning=*/true))
-                  .solve(*matrix, x, b, *preconditioner);
-              }
-            else
-              dealii::SolverBicgstab<Vector>(control).solve(*matrix,
-                                                            x,
-                                                            b,
-                                                            *preconditioner);
+            dealii::SolverBicgstab<Vector>(control).solve(*matrix,
+                                                          x,
+                                                          b,
+                                                          *preconditioner);
           }
         catch (const std::exception &)
           {
@@ -221,9 +230,8 @@ namespace emmy
             result.problem =
               name() +
               (control.last_step() == dealii::numbers::invalid_unsigned_int
-                 ? " broke down"
-                 : " did not reach the residual " + shortest(goal) + " in " +
-                     std::to_string(control.last_step()) + " iterations");
+                 ? std::string(" broke down")
+                 : not_reached(goal, control.last_step()));
           }
         result.is_solved = result.problem.empty();
         if (control.last_step() != dealii::numbers::invalid_unsigned_int)
