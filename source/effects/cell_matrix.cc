@@ -1,5 +1,5 @@
 #include <emmy/effects/cell_matrix.h>
-#include <emmy/math/lanes.h>
+#include <emmy/effects/node_lanes.h>
 
 #include <algorithm>
 
@@ -10,12 +10,6 @@ namespace emmy
 {
   namespace
   {
-    /** As many points as have their products in the first-level cache. */
-    constexpr unsigned int most_points = 8;
-
-    template <int dim>
-    constexpr unsigned int width = (dim == 2) ? 4 : 8;
-
     /** Points and nodes as plain arrays, as CellMatrix has them. */
     struct Arrays
     {
@@ -28,8 +22,8 @@ namespace emmy
     EMMY_INLINE void
     find_products(const Arrays &arrays)
     {
-      using Nodes          = typename LanesOf<width<dim>>::type;
-      const unsigned int n = arrays.n_padded / width<dim>;
+      using Nodes          = typename LanesOf<node_lanes<dim>>::type;
+      const unsigned int n = arrays.n_padded / node_lanes<dim>;
       const auto *slopes   = reinterpret_cast<const Nodes *>(arrays.slopes);
       auto       *products = reinterpret_cast<Nodes *>(arrays.products);
       for (unsigned int q = 0; q < arrays.n_points; ++q)
@@ -50,40 +44,22 @@ namespace emmy
           }
     }
 
-    /** Some nodes a at a time: their sums stay in registers. */
     template <int dim>
     EMMY_INLINE void
     add_products(const Arrays &arrays)
     {
-      using Nodes                    = typename LanesOf<width<dim>>::type;
-      constexpr unsigned int at_once = 4;
-      const unsigned int     n       = arrays.n_padded / width<dim>;
-      const auto *products = reinterpret_cast<const Nodes *>(arrays.products);
-      auto       *sum      = reinterpret_cast<Nodes *>(arrays.sum);
-      for (int i = 0; i < dim; ++i)
-        for (int j = 0; j < dim; ++j)
-          for (unsigned int b = 0; b < n; ++b)
-            for (unsigned int a = 0; a < arrays.n_padded; a += at_once)
-              {
-                Nodes *target =
-                  sum + ((i * dim + j) * arrays.n_padded + a) * n + b;
-                Nodes of_node[at_once];
-                for (unsigned int r = 0; r < at_once; ++r)
-                  of_node[r] = target[r * n];
-                for (unsigned int q = 0; q < arrays.n_points; ++q)
-                  for (int J = 0; J < dim; ++J)
-                    {
-                      const Nodes product =
-                        products[((q * dim * dim + i * dim + J) * dim + j) * n +
-                                 b];
-                      const double *slope =
-                        arrays.slopes + (q * dim + J) * arrays.n_padded + a;
-                      for (unsigned int r = 0; r < at_once; ++r)
-                        of_node[r] += slope[r] * product;
-                    }
-                for (unsigned int r = 0; r < at_once; ++r)
-                  target[r * n] = of_node[r];
-              }
+      const unsigned int n = arrays.n_padded;
+      add_node_products<dim, dim>(
+        arrays.n_points,
+        n,
+        [&](const int q, const int, const int J, const int) {
+          return arrays.slopes + (q * dim + J) * n;
+        },
+        [&](const int q, const int i, const int J, const int j) {
+          return arrays.products +
+                 ((q * dim * dim + i * dim + J) * dim + j) * n;
+        },
+        arrays.sum);
     }
   } // namespace
 
@@ -109,12 +85,12 @@ namespace emmy
   CellMatrix<dim>::reinit(const unsigned int n_nodes)
   {
     this->n_nodes = n_nodes;
-    n_padded      = (n_nodes + width<dim> - 1) / width<dim> * width<dim>;
+    n_padded      = padded<dim>(n_nodes);
     sum.resize_fast(dim * dim * n_padded * n_padded);
     std::fill(sum.begin(), sum.end(), 0.);
-    slopes.resize_fast(most_points * dim * n_padded);
+    slopes.resize_fast(most_points_at_once * dim * n_padded);
     std::fill(slopes.begin(), slopes.end(), 0.);
-    products.resize_fast(most_points * dim * dim * dim * n_padded);
+    products.resize_fast(most_points_at_once * dim * dim * dim * n_padded);
   }
 
   template <int dim>
@@ -122,10 +98,10 @@ namespace emmy
   CellMatrix<dim>::add(const Points &points)
   {
     for (unsigned int begin = 0; begin < points.batch.n_points;
-         begin += most_points)
+         begin += most_points_at_once)
       {
         const unsigned int n =
-          std::min(most_points, points.batch.n_points - begin);
+          std::min(most_points_at_once, points.batch.n_points - begin);
         for (unsigned int a = 0; a < n_nodes; ++a)
           for (unsigned int L = 0; L < dim; ++L)
             {

@@ -62,7 +62,7 @@ namespace emmy
     const ActiveGrid<dim> &active = *step.start.active;
     const unsigned int    *nodes  = active.nodes(group);
     if (jacobian && step.moving)
-      work.block.reinit(dim * group.n_nodes, dim * group.n_nodes);
+      step.moving->begin_group(group.n_nodes);
     else if (jacobian)
       work.stiffness.reinit(group.n_nodes);
 
@@ -95,34 +95,20 @@ namespace emmy
                             iterate.local_displacement,
                             work.batch,
                             work.middle,
-                            volumes},
-                           work.block);
+                            volumes});
         else if (jacobian)
           work.stiffness.add(
             {step.stencils, group, first, work.batch, volumes});
       }
-    if (jacobian)
-      add_block(step, group, work, *jacobian);
-    return {};
-  }
-
-  template <int dim>
-  void
-  InternalForce<dim>::add_block(const StepData<dim> &step,
-                                const Group         &group,
-                                Assembly            &work,
-                                Matrix              &jacobian) const
-  {
-    const unsigned int   *nodes = step.start.active->nodes(group);
-    const NodeGraph<dim> &graph = step.start.active->graph();
-    if (work.sum && !step.moving)
-      work.stiffness.blocks().template copy_to<dim>(work.block);
+    if (!jacobian)
+      return {};
+    const ComponentBlocks blocks =
+      step.moving ? step.moving->blocks() : work.stiffness.blocks();
     if (work.sum)
-      work.sum->add(nodes, work.block);
-    else if (step.moving)
-      graph.add(nodes, work.block, jacobian);
+      work.sum->add(nodes, blocks);
     else
-      graph.add(nodes, work.stiffness.blocks(), jacobian);
+      active.graph().add(nodes, blocks, *jacobian);
+    return {};
   }
 
   template <int dim>

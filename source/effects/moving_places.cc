@@ -1,5 +1,7 @@
 #include <emmy/effects/inertia.h>
 #include <emmy/effects/moving_places.h>
+#include <emmy/effects/node_lanes.h>
+#include <emmy/effects/point_rows.h>
 #include <emmy/transfer/mass_blocks.h>
 
 #include <algorithm>
@@ -49,6 +51,7 @@ namespace emmy
     , mass(rules.layout["mass"])
     , velocity(rules.layout["velocity"])
     , responses(places.size())
+    , n_used(rules.domain_update && !places.half_lengths.empty() ? nq : dim)
   {}
 
   template <int dim>
@@ -109,21 +112,62 @@ namespace emmy
 
   template <int dim>
   void
-  MovingPlaces<dim>::add(const Points               &points,
-                         dealii::FullMatrix<double> &matrix)
+  MovingPlaces<dim>::begin_group(const unsigned int n_nodes)
   {
-    const unsigned int  n     = points.group.n_nodes;
+    const auto reinit = [](Rows &rows, const unsigned int size) {
+      rows.resize_fast(size);
+      std::fill(rows.begin(), rows.end(), 0.);
+    };
+    const unsigned int n = padded<dim>(n_nodes);
+    reinit(work.sum, dim * dim * n * n);
+    if (work.n_nodes == n_nodes)
+      return; // rows end with zeros already
+    work.n_nodes  = n_nodes;
+    work.n_padded = n;
+    reinit(work.u, dim * n);
+    reinit(work.weights, most_points_at_once * (dim + 1) * n);
+    reinit(work.by_motion, most_points_at_once * dim * (dim + 1) * dim * n);
+    reinit(work.weights_by_q, nq * (dim + 1) * n);
+    reinit(work.force_by_q, nq * dim * n);
+  }
+
+  template <int dim>
+  void
+  MovingPlaces<dim>::add(const Points &points)
+  {
     const unsigned int *nodes = points.step.start.active->nodes(points.group);
     for (unsigned int c = 0; c < dim; ++c)
-      for (unsigned int a = 0; a < n; ++a)
-        work.u[c][a] = points.local_displacement[unknown<dim>(nodes[a], c)];
-    work.matrix.reinit(dim * n, dim * n);
+      for (unsigned int a = 0; a < work.n_nodes; ++a)
+        work.u[c * work.n_padded + a] =
+          points.local_displacement[unknown<dim>(nodes[a], c)];
+    work.n_points = 0;
     for (unsigned int i = 0; i < points.batch.n_points; ++i)
-      add_point(points, i);
-    for (unsigned int row = 0; row < dim * n; ++row)
-      for (unsigned int b = 0; b < n; ++b)
-        for (unsigned int j = 0; j < dim; ++j)
-          matrix(row, dim * b + j) += work.matrix(row, n * j + b);
+      {
+        add_point(points, i);
+        if (++work.n_points == most_points_at_once)
+          add_up();
+      }
+    add_up();
+  }
+
+  template <int dim>
+  void
+  MovingPlaces<dim>::add_up()
+  {
+    add_products<dim>(work.n_points,
+                      work.n_padded,
+                      work.by_motion.data(),
+                      work.weights.data(),
+                      work.sum.data());
+    work.n_points = 0;
+  }
+
+  template <int dim>
+  ComponentBlocks
+  MovingPlaces<dim>::blocks() const
+  {
+    const std::size_t n = work.n_padded;
+    return {work.sum.data(), work.n_nodes, dim * n * n, n * n, n};
   }
 
   template <int dim>
@@ -135,38 +179,52 @@ namespace emmy
     const Group         &group    = points.group;
     const unsigned int   q        = points.first + in_batch;
     const std::size_t    p        = group.first_point + q;
-    for (unsigned int a = 0; a < group.n_nodes; ++a)
+    const unsigned int   n        = work.n_padded;
+    double              *weights = &work.weights[work.n_points * (dim + 1) * n];
+    for (unsigned int a = 0; a < work.n_nodes; ++a)
       {
-        work.weights[0][a] = stencils.value(group, a)[q];
+        weights[a] = stencils.value(group, a)[q];
         for (unsigned int d = 0; d < dim; ++d)
-          work.weights[1 + d][a] = stencils.gradient(group, a, d)[q];
+          weights[(1 + d) * n + a] = stencils.gradient(group, a, d)[q];
       }
     rules.shape_functions.differentiate(
       places, stencils.order[p], group, rules.grid, work.derivatives);
-    const Motion here = motion(group.n_nodes);
+    for (unsigned int k = 0; k < n_used; ++k)
+      for (unsigned int l = 0; l <= dim; ++l)
+        std::copy_n(l == 0 ? work.derivatives.value(k)
+                           : work.derivatives.gradient(k, l - 1),
+                    work.n_nodes,
+                    &work.weights_by_q[(k * (dim + 1) + l) * n]);
+    const Motion here = motion();
     responses[p]      = response(points, in_batch, here);
-    find_force_by_q(points, in_batch, here, responses[p].shift);
-    add_to_matrix(points, in_batch, responses[p]);
+    find_rows(points, in_batch, here, responses[p]);
   }
 
   template <int dim>
   typename MovingPlaces<dim>::Motion
-  MovingPlaces<dim>::motion(const unsigned int n_nodes) const
+  MovingPlaces<dim>::motion() const
   {
+    const unsigned int n       = work.n_padded;
+    const double      *weights = &work.weights[work.n_points * (dim + 1) * n];
+    const auto         sum     = [&](const double *row, const unsigned int c) {
+      const double *u      = &work.u[c * n];
+      double        result = 0.;
+      for (unsigned int a = 0; a < work.n_nodes; ++a)
+        result += row[a] * u[a];
+      return result;
+    };
     Motion result;
-    for (unsigned int a = 0; a < n_nodes; ++a)
-      for (unsigned int c = 0; c < dim; ++c)
-        {
-          const double u = work.u[c][a];
-          result.Su[c] += work.weights[0][a] * u;
-          for (unsigned int k = 0; k < nq; ++k)
-            {
-              result.Su_by_q[k][c] += work.derivatives.value(k)[a] * u;
-              for (unsigned int d = 0; d < dim; ++d)
-                result.L_by_q[k][c][d] +=
-                  work.derivatives.gradient(k, d)[a] * u;
-            }
-        }
+    for (unsigned int c = 0; c < dim; ++c)
+      {
+        result.Su[c] = sum(weights, c);
+        for (unsigned int k = 0; k < n_used; ++k)
+          {
+            const double *by_q   = &work.weights_by_q[k * (dim + 1) * n];
+            result.Su_by_q[k][c] = sum(by_q, c);
+            for (unsigned int d = 0; d < dim; ++d)
+              result.L_by_q[k][c][d] = sum(by_q + (1 + d) * n, c);
+          }
+      }
     return result;
   }
 
@@ -179,8 +237,8 @@ namespace emmy
     const StepData<dim> &step = points.step;
     const std::size_t    p = points.group.first_point + points.first + in_batch;
     const std::size_t    i = step.stencils.order[p];
-    const bool has_box = rules.domain_update && !places.half_lengths.empty();
-    MiddleBox<dim> box;
+    const bool           has_box = n_used > dim;
+    MiddleBox<dim>       box;
     if (has_box)
       box = rules.domain_update->middle(step.points,
                                         p,
@@ -196,21 +254,34 @@ namespace emmy
         defect = std::max(defect, std::abs(from_place[d]) / sides[d]);
         if (has_box)
           from_place[dim + d] = box.half_length[d] - places.half_lengths[i][d];
-        for (unsigned int k = 0; k < nq; ++k)
+        for (unsigned int k = 0; k < n_used; ++k)
           {
             matrix[d][k] = (d == k ? 1. : 0.) - 0.5 * motion.Su_by_q[k][d];
             matrix[dim + d][k] = (dim + d == k ? 1. : 0.) -
                                  scalar_product(box.by_L[d], motion.L_by_q[k]);
           }
       }
-    const Tensor<2, nq> inverse = inverse_of(matrix);
-    Response            result;
+    Tensor<2, nq> inverse;
+    if (has_box)
+      inverse = inverse_of(matrix);
+    else
+      {
+        Tensor<2, dim> of_position;
+        for (unsigned int d = 0; d < dim; ++d)
+          for (unsigned int k = 0; k < dim; ++k)
+            of_position[d][k] = matrix[d][k];
+        of_position = inverse_of(of_position);
+        for (unsigned int d = 0; d < dim; ++d)
+          for (unsigned int k = 0; k < dim; ++k)
+            inverse[d][k] = of_position[d][k];
+      }
+    Response result;
     result.shift = inverse * from_place;
-    for (unsigned int k = 0; k < nq; ++k)
+    for (unsigned int k = 0; k < n_used; ++k)
       for (unsigned int j = 0; j < dim; ++j)
         {
           result.by_motion[k][j][0] = 0.5 * inverse[k][j];
-          for (unsigned int e = 0; e < dim; ++e)
+          for (unsigned int e = 0; has_box && e < dim; ++e)
             for (unsigned int d = 0; d < dim; ++d)
               result.by_motion[k][j][1 + d] +=
                 inverse[k][dim + e] * box.by_L[e][j][d];
@@ -220,122 +291,77 @@ namespace emmy
 
   template <int dim>
   void
-  MovingPlaces<dim>::find_force_by_q(const Points        &points,
-                                     const unsigned int   in_batch,
-                                     const Motion        &motion,
-                                     const Tensor<1, nq> &shift)
+  MovingPlaces<dim>::find_rows(const Points      &points,
+                               const unsigned int in_batch,
+                               const Motion      &motion,
+                               const Response    &response)
   {
     // the force of a point at a node is S_A w + T grad S_A, with
     // w = m 2/dt (Su/dt - v) - b; lumped mass sees u_A in place of Su
     const StepData<dim> &step = points.step;
     const std::size_t    p = points.group.first_point + points.first + in_batch;
-    const unsigned int   n = points.group.n_nodes;
+    const unsigned int   n = work.n_padded;
     const double         rate    = 2. / step.time_step;
     const double         m       = step.points.component(mass)[p];
-    const double         inertia = 0.5 * rate * rate * m;
-    const double         lumped  = rules.mapping.lumping * inertia;
+    const double         inertia = inertia_factor(step.time_step) * m;
     const double         volume  = points.volumes[in_batch];
-    const auto           T = volume * points.batch.nominal_stress[in_batch];
-    const auto          &tangent = points.batch.tangent[in_batch];
-    Vector               w       = (inertia - lumped) * motion.Su;
-    for (unsigned int c = 0; c < dim; ++c)
-      {
-        w[c] -= rate * m * step.points.component(velocity + c)[p];
-        if (!point_forces.empty())
-          w[c] -= point_forces[dim * p + c];
-      }
-    for (unsigned int k = 0; k < nq; ++k)
-      for (unsigned int i = 0; i < dim; ++i)
-        {
-          const double inertia_by_q = (inertia - lumped) * motion.Su_by_q[k][i];
-          Vector       T_by_q;
-          for (unsigned int J = 0; J < dim; ++J)
-            for (unsigned int c = 0; c < dim; ++c)
-              for (unsigned int d = 0; d < dim; ++d)
-                T_by_q[J] += volume * tangent[i * dim + J][c * dim + d] *
-                             motion.L_by_q[k][c][d];
-          std::array<const double *, dim> g_by_q;
-          for (unsigned int J = 0; J < dim; ++J)
-            g_by_q[J] = work.derivatives.gradient(k, J);
-          const double *S_by_q = work.derivatives.value(k);
-          for (unsigned int a = 0; a < n; ++a)
-            {
-              double sum = S_by_q[a] * (w[i] + lumped * work.u[i][a]) +
-                           work.weights[0][a] * inertia_by_q;
-              for (unsigned int J = 0; J < dim; ++J)
-                sum +=
-                  T[i][J] * g_by_q[J][a] + T_by_q[J] * work.weights[1 + J][a];
-              work.force_by_q[k][i][a] = sum;
-            }
-        }
-    const unsigned int *nodes = step.start.active->nodes(points.group);
-    for (unsigned int a = 0; a < n; ++a)
-      for (unsigned int i = 0; i < dim; ++i)
-        {
-          double sum = 0.;
-          for (unsigned int k = 0; k < nq; ++k)
-            sum += work.force_by_q[k][i][a] * shift[k];
-          share[unknown<dim>(nodes[a], i)] += sum;
-        }
-  }
 
-  template <int dim>
-  void
-  MovingPlaces<dim>::add_to_matrix(const Points      &points,
-                                   const unsigned int in_batch,
-                                   const Response    &response)
-  {
-    const StepData<dim> &step = points.step;
-    const std::size_t    p = points.group.first_point + points.first + in_batch;
-    const unsigned int   n = points.group.n_nodes;
-    const double         inertia =
-      inertia_factor(step.time_step) * step.points.component(mass)[p];
-    const double lumped  = rules.mapping.lumping * inertia;
-    const double volume  = points.volumes[in_batch];
-    const auto  &tangent = points.batch.tangent[in_batch];
-    // a copy, so that the compiler sees that the matrix is elsewhere
-    const std::array<Row, dim + 1> weights = work.weights;
+    PointRows<dim> point;
+    point.n_padded     = n;
+    point.n_used       = n_used;
+    point.u            = work.u.data();
+    point.weights      = &work.weights[work.n_points * (dim + 1) * n];
+    point.weights_by_q = work.weights_by_q.data();
+    point.force_by_q   = work.force_by_q.data();
+    point.by_motion =
+      &work.by_motion[work.n_points * dim * (dim + 1) * dim * n];
+    point.lumped     = rules.mapping.lumping * inertia;
+    point.consistent = inertia - point.lumped;
+    for (unsigned int r = 0; r < dim * dim; ++r)
+      for (unsigned int c = 0; c < dim * dim; ++c)
+        point.tangent[r][c] = volume * points.batch.tangent[in_batch][r][c];
     for (unsigned int i = 0; i < dim; ++i)
-      for (unsigned int j = 0; j < dim; ++j)
+      {
+        point.w[i] = point.consistent * motion.Su[i] -
+                     rate * m * step.points.component(velocity + i)[p];
+        if (!point_forces.empty())
+          point.w[i] -= point_forces[dim * p + i];
+        for (unsigned int J = 0; J < dim; ++J)
+          point.T[i][J] = volume * points.batch.nominal_stress[in_batch][i][J];
+      }
+    for (unsigned int k = 0; k < n_used; ++k)
+      for (unsigned int i = 0; i < dim; ++i)
         {
-          // the force at the nodes by (Su)_j and L_jd: where places stay a sum
-          // of the weights, and of r,k as they follow
-          std::array<Row, dim + 1> by_motion;
+          point.w_by_q[k][i] = point.consistent * motion.Su_by_q[k][i];
+          for (unsigned int J = 0; J < dim; ++J)
+            {
+              double sum = 0.;
+              for (unsigned int c = 0; c < dim; ++c)
+                for (unsigned int d = 0; d < dim; ++d)
+                  sum += point.tangent[i * dim + J][c * dim + d] *
+                         motion.L_by_q[k][c][d];
+              point.T_by_q[k][i][J] = sum;
+            }
           for (unsigned int l = 0; l <= dim; ++l)
-            {
-              for (unsigned int a = 0; a < n; ++a)
-                {
-                  double sum = 0.;
-                  if (l > 0)
-                    for (unsigned int J = 0; J < dim; ++J)
-                      sum += volume * tangent[i * dim + J][j * dim + l - 1] *
-                             weights[1 + J][a];
-                  else if (i == j)
-                    sum = (inertia - lumped) * weights[0][a];
-                  for (unsigned int k = 0; k < nq; ++k)
-                    sum +=
-                      response.by_motion[k][j][l] * work.force_by_q[k][i][a];
-                  by_motion[l][a] = sum;
-                }
-            }
-          for (unsigned int a = 0; a < n; ++a)
-            {
-              std::array<double, dim + 1> of_node;
-              for (unsigned int l = 0; l <= dim; ++l)
-                of_node[l] = by_motion[l][a];
-              double *row = &work.matrix(dim * a + i, n * j);
-              for (unsigned int b = 0; b < n; ++b)
-                {
-                  double sum = 0.;
-                  for (unsigned int l = 0; l <= dim; ++l)
-                    sum += of_node[l] * weights[l][b];
-                  row[b] += sum;
-                }
-              if (i == j)
-                row[a] += lumped * weights[0][a] +
-                          damping_of(inertia * weights[0][a], inertia);
-            }
+            point.by_motion_of_q[k][i][l] = response.by_motion[k][i][l];
         }
+    point.find_force_by_q();
+    point.find_by_motion();
+
+    const unsigned int *nodes = step.start.active->nodes(points.group);
+    for (unsigned int a = 0; a < work.n_nodes; ++a)
+      {
+        const double of_node = point.lumped * point.weights[a] +
+                               damping_of(inertia * point.weights[a], inertia);
+        for (unsigned int i = 0; i < dim; ++i)
+          {
+            double sum = 0.;
+            for (unsigned int k = 0; k < n_used; ++k)
+              sum += work.force_by_q[(k * dim + i) * n + a] * response.shift[k];
+            share[unknown<dim>(nodes[a], i)] += sum;
+            work.sum[((i * dim + i) * n + a) * n + a] += of_node;
+          }
+      }
   }
 
   template <int dim>
@@ -357,7 +383,7 @@ namespace emmy
                        increment[unknown<dim>(nodes[a], d)];
           const auto L =
             step.stencils.displacement_gradient(group, q, nodes, increment);
-          for (unsigned int k = 0; k < nq; ++k)
+          for (unsigned int k = 0; k < n_used; ++k)
             for (unsigned int j = 0; j < dim; ++j)
               {
                 const auto &by_motion = responses[p].by_motion[k][j];

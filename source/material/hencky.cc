@@ -122,11 +122,14 @@ namespace emmy
         batch.stored_energy[p] =
           0.5 * K * e.trace * e.trace + G * e.deviator_squared;
         if (batch.with_tangent)
-          batch.spatial_tangent[p] =
-            tangent_from_principal(e, principal_tangent<dim>(e, tau, K, G));
+          batch.spatial_tangent[p] = principal_tangent<dim>(e, tau, K, G);
         if (batch.with_energy_change)
           steps[p] = {e, tau, {}};
       }
+    if (batch.with_tangent)
+      turn_tangents<dim>(b.data(),
+                         batch.n_points,
+                         batch.spatial_tangent.data());
     if (batch.with_energy_change)
       fill_energy_changes<dim>(steps.data(), batch);
   }

@@ -1,4 +1,10 @@
 #include <emmy/material/principal_axes.h>
+#include <emmy/math/lanes.h>
+
+#include <algorithm>
+
+// vectors stay within this file
+#pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace emmy
 {
@@ -15,6 +21,116 @@ namespace emmy
                            : artanh_quotient(z * z));
     }
   } // namespace
+
+  namespace
+  {
+    /** Points side by side: principal axes, and tangents before and after. */
+    template <int dim>
+    struct SideTangents
+    {
+      static constexpr unsigned int m = n_in_plane<dim>, n = n_mandel<dim>;
+
+      Lanes V[dim][dim], normal[3][3], shear[m - dim];
+      Lanes result[n][n]; ///< column <= row
+    };
+
+    template <int dim>
+    EMMY_INLINE void
+    turn_side(SideTangents<dim> &p)
+    {
+      constexpr auto         ij = mandel::pairs<dim>();
+      constexpr unsigned int m  = n_in_plane<dim>;
+      Lanes                  Q[m][m], Qc[m][m]; // as mandel::congruence()
+      for (unsigned int a = 0; a < m; ++a)
+        {
+          const unsigned int i = ij[a][0], j = ij[a][1];
+          for (unsigned int c = 0; c < dim; ++c)
+            Q[a][c] = p.V[i][c] * p.V[j][c] * (a < dim ? 1. : mandel::sqrt2);
+          for (unsigned int c = dim; c < m; ++c)
+            {
+              const unsigned int k = ij[c][0], l = ij[c][1];
+              Q[a][c] = (p.V[i][k] * p.V[j][l] + p.V[i][l] * p.V[j][k]) *
+                        (a < dim ? 1. / mandel::sqrt2 : 1.);
+            }
+        }
+      for (unsigned int a = 0; a < m; ++a)
+        {
+          for (unsigned int b = 0; b < dim; ++b)
+            {
+              Qc[a][b] = Q[a][0] * p.normal[0][b];
+              for (unsigned int k = 1; k < dim; ++k)
+                Qc[a][b] += Q[a][k] * p.normal[k][b];
+            }
+          for (unsigned int b = dim; b < m; ++b)
+            Qc[a][b] = Q[a][b] * p.shear[b - dim];
+        }
+      for (unsigned int a = 0; a < m; ++a)
+        for (unsigned int b = 0; b <= a; ++b)
+          {
+            Lanes sum = Qc[a][0] * Q[b][0];
+            for (unsigned int k = 1; k < m; ++k)
+              sum += Qc[a][k] * Q[b][k];
+            p.result[a][b] = sum;
+          }
+      if constexpr (dim == 2)
+        {
+          for (unsigned int a = 0; a < m; ++a)
+            p.result[3][a] =
+              Q[a][0] * p.normal[0][2] + Q[a][1] * p.normal[1][2];
+          p.result[3][3] = p.normal[2][2];
+        }
+    }
+  } // namespace
+
+  namespace principal_axes_kernels
+  {
+    // no templates: those have no clones
+    EMMY_CLONES void
+    turn(SideTangents<2> &side)
+    {
+      turn_side<2>(side);
+    }
+    EMMY_CLONES void
+    turn(SideTangents<3> &side)
+    {
+      turn_side<3>(side);
+    }
+  } // namespace principal_axes_kernels
+
+  template <int dim>
+  void
+  turn_tangents(const SpectralDecomposition<dim> *b,
+                const unsigned int                n_points,
+                MandelMatrix<dim>                *tangents)
+  {
+    constexpr unsigned int m = n_in_plane<dim>, n = n_mandel<dim>;
+    constexpr auto         normal = mandel::normal_components<dim>();
+    SideTangents<dim>      side;
+    for (unsigned int first = 0; first < n_points; first += n_lanes)
+      {
+        for (unsigned int lane = 0; lane < n_lanes; ++lane)
+          {
+            // behind the last point it is repeated
+            const unsigned int       p = std::min(first + lane, n_points - 1);
+            const MandelMatrix<dim> &c = tangents[p];
+            for (unsigned int i = 0; i < dim; ++i)
+              for (unsigned int j = 0; j < dim; ++j)
+                side.V[i][j][lane] = b[p].vectors[i][j];
+            for (unsigned int i = 0; i < 3; ++i)
+              for (unsigned int j = 0; j < 3; ++j)
+                side.normal[i][j][lane] = c[normal[i]][normal[j]];
+            for (unsigned int a = dim; a < m; ++a)
+              side.shear[a - dim][lane] = c[a][a];
+          }
+        principal_axes_kernels::turn(side);
+        for (unsigned int p = first; p < std::min(first + n_lanes, n_points);
+             ++p)
+          for (unsigned int i = 0; i < n; ++i)
+            for (unsigned int j = 0; j <= i; ++j)
+              tangents[p][i][j] = tangents[p][j][i] =
+                side.result[i][j][p - first];
+      }
+  }
 
   template <int dim>
   double
@@ -83,13 +199,16 @@ namespace emmy
                                      batch.step.displacement_gradient[p]);
   }
 
-#define INSTANTIATE(dim)                                             \
-  template double quadratic_energy_change<dim>(                      \
-    const PrincipalStep<dim> &,                                      \
-    const SpectralDecomposition<dim> &,                              \
-    const MandelVector<dim> &,                                       \
-    const dealii::Tensor<2, dim> &);                                 \
-  template void fill_energy_changes<dim>(const PrincipalStep<dim> *, \
+#define INSTANTIATE(dim)                                                 \
+  template void   turn_tangents<dim>(const SpectralDecomposition<dim> *, \
+                                   const unsigned int,                 \
+                                   MandelMatrix<dim> *);               \
+  template double quadratic_energy_change<dim>(                          \
+    const PrincipalStep<dim> &,                                          \
+    const SpectralDecomposition<dim> &,                                  \
+    const MandelVector<dim> &,                                           \
+    const dealii::Tensor<2, dim> &);                                     \
+  template void fill_energy_changes<dim>(const PrincipalStep<dim> *,     \
                                          MaterialBatch<dim> &);
   INSTANTIATE(2)
   INSTANTIATE(3)

@@ -101,8 +101,12 @@ namespace emmy
           for (unsigned int j = 0; j < 3; ++j)
             c[normal[i]][normal[j]] -=
               2. * G * softer * direction[i] * direction[j];
-        batch.spatial_tangent[p] = tangent_from_principal(e, c);
+        batch.spatial_tangent[p] = c;
       }
+    if (batch.with_tangent)
+      turn_tangents<dim>(b.data(),
+                         batch.n_points,
+                         batch.spatial_tangent.data());
     if (batch.with_energy_change)
       fill_energy_changes<dim>(steps.data(), batch);
   }

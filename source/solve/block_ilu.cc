@@ -170,16 +170,14 @@ namespace emmy
     for (unsigned int j = 0; j < unknown.size(); ++j)
       unknown[j] = ours.LID(others.GID(j)); // -1 becomes none
 
-    first.assign(1, 0);
-    columns.clear();
-    blocks.clear();
-    diagonal.resize(n_nodes);
+    std::vector<unsigned int> first(1, 0), pattern, place(n_nodes, none);
     scale.assign(n * n_nodes, 1.);
-    std::vector<unsigned int> place(n_nodes, none);
-    int                       length, *row;
-    double                   *values;
+    int     length, *row;
+    double *values;
     for (unsigned int node = 0; node < n_nodes; ++node)
       {
+        place[node] = 0; // whatever the matrix has
+        pattern.push_back(node);
         for (int i = 0; i < n; ++i)
           {
             entries.ExtractMyRowView(n * node + i, length, values, row);
@@ -191,29 +189,24 @@ namespace emmy
                 if (place[j / n] == none)
                   {
                     place[j / n] = 0;
-                    columns.push_back(j / n);
+                    pattern.push_back(j / n);
                   }
                 if (j == n * node + i && values[k] != 0.)
                   scale[j] = 1. / std::sqrt(std::abs(values[k]));
               }
           }
-        if (place[node] == none)
-          columns.push_back(node);
-        std::sort(columns.begin() + first.back(), columns.end());
-        for (unsigned int k = first.back(); k < columns.size(); ++k)
-          {
-            place[columns[k]] = none;
-            if (columns[k] == node)
-              diagonal[node] = k;
-          }
-        first.push_back(columns.size());
+        std::sort(pattern.begin() + first.back(), pattern.end());
+        for (unsigned int k = first.back(); k < pattern.size(); ++k)
+          place[pattern[k]] = none;
+        first.push_back(pattern.size());
       }
+    arrange(first, pattern);
 
-    // one more: something to read behind the last
-    blocks.assign(columns.size() + 1, Block{});
     for (unsigned int node = 0; node < n_nodes; ++node)
       {
-        for (unsigned int k = first[node]; k < first[node + 1]; ++k)
+        for (unsigned int k = lower[node]; k < lower[node + 1]; ++k)
+          place[columns[k]] = k;
+        for (unsigned int k = upper[node]; k < upper_end(node); ++k)
           place[columns[k]] = k;
         for (int i = 0; i < n; ++i)
           {
@@ -231,34 +224,70 @@ namespace emmy
 
   template <int n>
   void
+  BlockIlu<n>::arrange(const std::vector<unsigned int> &first,
+                       const std::vector<unsigned int> &pattern)
+  {
+    const unsigned int n_nodes = first.size() - 1;
+    columns.clear();
+    lower.assign(1, 0);
+    upper.resize(n_nodes);
+    const auto diagonal_of = [&](const unsigned int node) {
+      return std::lower_bound(pattern.begin() + first[node],
+                              pattern.begin() + first[node + 1],
+                              node);
+    };
+    for (unsigned int node = 0; node < n_nodes; ++node)
+      {
+        columns.insert(columns.end(),
+                       pattern.begin() + first[node],
+                       diagonal_of(node));
+        lower.push_back(columns.size());
+      }
+    for (unsigned int node = n_nodes; node-- > 0;)
+      {
+        upper[node] = columns.size();
+        columns.insert(columns.end(),
+                       diagonal_of(node),
+                       pattern.begin() + first[node + 1]);
+      }
+    // one more: something to read behind the last
+    blocks.assign(columns.size() + 1, Block{});
+  }
+
+  template <int n>
+  void
   BlockIlu<n>::factorise()
   {
-    const unsigned int        n_nodes = diagonal.size();
+    const unsigned int        n_nodes = upper.size();
     std::vector<unsigned int> place(n_nodes, none);
     for (unsigned int i = 0; i < n_nodes; ++i)
       {
-        for (unsigned int k = first[i]; k < first[i + 1]; ++k)
-          place[columns[k]] = k;
-        for (unsigned int k = first[i]; k < diagonal[i]; ++k)
+        const auto set_places = [&](const bool are_known) {
+          for (unsigned int k = lower[i]; k < lower[i + 1]; ++k)
+            place[columns[k]] = are_known ? k : none;
+          for (unsigned int k = upper[i]; k < upper_end(i); ++k)
+            place[columns[k]] = are_known ? k : none;
+        };
+        set_places(true);
+        for (unsigned int k = lower[i]; k < lower[i + 1]; ++k)
           {
             // L_ij = A_ij / U_jj, and its products with the row j of U
             const unsigned int           j = columns[k];
             std::array<float, n * n + 1> product{};
             add_product<n>(blocks[k].data(),
-                           blocks[diagonal[j]].data(),
+                           blocks[upper[j]].data(),
                            product.data());
             for (float &entry : product)
               entry *= -1.f;
             std::copy_n(product.begin(), n * n, blocks[k].begin()); // -L_ij
-            for (unsigned int l = diagonal[j] + 1; l < first[j + 1]; ++l)
+            for (unsigned int l = upper[j] + 1; l < upper_end(j); ++l)
               if (place[columns[l]] != none)
                 add_product<n>(product.data(),
                                blocks[l].data(),
                                blocks[place[columns[l]]].data());
           }
-        blocks[diagonal[i]] = inverse<n>(blocks[diagonal[i]]);
-        for (unsigned int k = first[i]; k < first[i + 1]; ++k)
-          place[columns[k]] = none;
+        blocks[upper[i]] = inverse<n>(blocks[upper[i]]);
+        set_places(false);
       }
     work.resize(n * n_nodes);
   }
@@ -267,7 +296,7 @@ namespace emmy
   double
   BlockIlu<n>::substitute(const Vector &r) const
   {
-    const unsigned int n_nodes = diagonal.size();
+    const unsigned int n_nodes = upper.size();
     const double      *in      = r.begin();
     // single precision has no room for very large and very small numbers
     double largest = 0.;
@@ -280,7 +309,7 @@ namespace emmy
     for (unsigned int i = 0; i < n_nodes; ++i)
       {
         NodeSum<n> sum;
-        for (unsigned int k = first[i]; k < diagonal[i]; ++k)
+        for (unsigned int k = lower[i]; k < lower[i + 1]; ++k)
           sum.add(blocks[k].data(), &work[n * columns[k]]);
         for (int m = 0; m < n; ++m)
           work[n * i + m] += sum[m];
@@ -288,11 +317,11 @@ namespace emmy
     for (unsigned int i = n_nodes; i-- > 0;)
       {
         NodeSum<n> sum, result;
-        for (unsigned int k = diagonal[i] + 1; k < first[i + 1]; ++k)
+        for (unsigned int k = upper[i] + 1; k < upper_end(i); ++k)
           sum.add(blocks[k].data(), &work[n * columns[k]]);
         for (int m = 0; m < n; ++m)
           work[n * i + m] -= sum[m];
-        result.add(blocks[diagonal[i]].data(), &work[n * i]);
+        result.add(blocks[upper[i]].data(), &work[n * i]);
         for (int m = 0; m < n; ++m)
           work[n * i + m] = result[m];
       }

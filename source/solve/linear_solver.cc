@@ -8,7 +8,10 @@
 #include <emmy/solve/linear_solver.h>
 #include <emmy/solve/preconditioner.h>
 
+#include <Epetra_CrsGraph.h>
+
 #include <algorithm>
+#include <cmath>
 
 namespace emmy
 {
@@ -130,12 +133,60 @@ namespace emmy
         , preconditioner(make_preconditioner(preconditioner, n_components))
       {}
 
+      void
+      begin_sequence() override
+      {
+        serves = false;
+      }
+
       LinearResult
       prepare(const Matrix     &new_matrix,
-              const NodePlaces *places = nullptr) override
+              const NodePlaces *new_places = nullptr) override
+      {
+        matrix                       = &new_matrix;
+        places                       = new_places;
+        const Epetra_CrsGraph &graph = matrix->trilinos_matrix().Graph();
+        is_kept = serves && places && graph.DataPtr() == pattern->DataPtr();
+        return is_kept ? LinearResult() : make();
+      }
+
+      LinearResult
+      solve(Vector &x, const Vector &b, const double tolerance) override
+      {
+        LinearResult result = refine(x, b, tolerance);
+        if (is_kept && !result.is_solved)
+          {
+            const unsigned int iterations = result.iterations;
+            result                        = make();
+            if (result.is_solved)
+              result = refine(x, b, tolerance);
+            result.iterations += iterations;
+          }
+        if (is_kept)
+          serves = rate(result, tolerance) <= 1.5 * first_rate + 0.5;
+        else
+          first_rate = rate(result, tolerance);
+        return result;
+      }
+
+      std::string
+      name() const override
+      {
+        return method + " with " + preconditioner_name;
+      }
+
+    private:
+      /** Iterations for a tenth of the residual. */
+      static double
+      rate(const LinearResult &result, const double tolerance)
+      {
+        return result.iterations / -std::log10(std::min(tolerance, 0.1));
+      }
+
+      LinearResult
+      make()
       {
         LinearResult result;
-        matrix = &new_matrix;
         try
           {
             preconditioner->make(*matrix, places);
@@ -145,7 +196,14 @@ namespace emmy
             result.problem =
               "the preconditioner " + preconditioner_name + " cannot be made";
           }
-        return agreed(result, matrix->get_mpi_communicator());
+        result  = agreed(result, matrix->get_mpi_communicator());
+        is_kept = false;
+        serves  = result.is_solved && places;
+        // a copy shares what it has: no other pattern can have its place
+        pattern = serves ? std::make_unique<Epetra_CrsGraph>(
+                             matrix->trilinos_matrix().Graph())
+                         : nullptr;
+        return result;
       }
 
       /**
@@ -154,7 +212,7 @@ namespace emmy
        * true one where it is too large.
        */
       LinearResult
-      solve(Vector &x, const Vector &b, const double tolerance) override
+      refine(Vector &x, const Vector &b, const double tolerance) const
       {
         constexpr unsigned int max_cycles = 5;
 
@@ -182,13 +240,6 @@ namespace emmy
         return agreed(result, b.get_mpi_communicator());
       }
 
-      std::string
-      name() const override
-      {
-        return method + " with " + preconditioner_name;
-      }
-
-    private:
       static std::string
       not_reached(const double goal, const unsigned int iterations)
       {
@@ -242,7 +293,14 @@ namespace emmy
       const std::string                     method, preconditioner_name;
       const unsigned int                    max_iterations;
       const Matrix                         *matrix = nullptr;
+      const NodePlaces                     *places = nullptr;
       const std::unique_ptr<Preconditioner> preconditioner;
+      /** Of the matrix that the preconditioner was made of, if it can serve
+       * for others. */
+      std::unique_ptr<const Epetra_CrsGraph> pattern;
+      bool   serves     = false; ///< for the next matrix too
+      bool   is_kept    = false; ///< from a matrix before
+      double first_rate = 0.;    ///< with the matrix that it was made of
     };
 
     /**
@@ -261,6 +319,12 @@ namespace emmy
         , largest_direct(largest_direct_size(n_components))
         , state(state_of_run ? *state_of_run : own_state)
       {}
+
+      void
+      begin_sequence() override
+      {
+        krylov.begin_sequence();
+      }
 
       LinearResult
       prepare(const Matrix     &new_matrix,

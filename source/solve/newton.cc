@@ -296,6 +296,7 @@ namespace emmy
   NewtonResult
   Newton::solve(NonlinearEquation &equation, Vector &solution) const
   {
+    linear_solver.begin_sequence();
     const Vector start = solution;
     Iteration    first(*this, equation, solution);
     plain(first);

@@ -202,6 +202,23 @@ namespace emmy
 
   template <int dim>
   void
+  NodeGraph<dim>::find_places_of(const unsigned int  node,
+                                 const unsigned int *nodes,
+                                 const unsigned int  n) const
+  {
+    for (std::size_t k = first[node]; k < first[node + 1]; ++k)
+      {
+        place_of_node[neighbours[k]] = k;
+        marked_by[neighbours[k]]     = node;
+      }
+    node_places.clear();
+    for (unsigned int b = 0; b < n; ++b)
+      if (marked_by[nodes[b]] == node)
+        node_places.emplace_back(b, dim * place_of_node[nodes[b]]);
+  }
+
+  template <int dim>
+  void
   NodeGraph<dim>::scatter(const Unknowns                   &unknowns,
                           const dealii::FullMatrix<double> &block,
                           Matrix                           &matrix) const
@@ -339,22 +356,15 @@ namespace emmy
       }
     for (unsigned int a = 0; a < n; ++a)
       {
-        for (std::size_t k = first[nodes[a]]; k < first[nodes[a] + 1]; ++k)
-          place_of_node[neighbours[k]] = dim * k;
+        find_places_of(nodes[a], nodes, n);
         for (unsigned int i = 0; i < dim; ++i)
           {
             double *row = matrix.trilinos_matrix()[unknown<dim>(nodes[a], i)];
             const double *values =
-              blocks.values +
-              static_cast<std::size_t>(i * dim * blocks.stride + a) *
-                blocks.stride;
-            for (unsigned int b = 0; b < n; ++b)
-              {
-                const unsigned int *place = &places[place_of_node[nodes[b]]];
-                for (unsigned int j = 0; j < dim; ++j)
-                  row[place[j]] +=
-                    values[j * blocks.stride * blocks.stride + b];
-              }
+              blocks.values + i * blocks.by_i + a * blocks.by_a;
+            for (const auto &[b, place] : node_places)
+              for (unsigned int j = 0; j < dim; ++j)
+                row[places[place + j]] += values[j * blocks.by_j + b];
           }
       }
   }
@@ -368,10 +378,8 @@ namespace emmy
       for (unsigned int j = 0; j < dim; ++j)
         for (unsigned int a = 0; a < n_nodes; ++a)
           {
-            const double *of_node =
-              values +
-              static_cast<std::size_t>((i * dim + j) * stride + a) * stride;
-            double *row = &matrix(dim * a + i, 0);
+            const double *of_node = values + i * by_i + j * by_j + a * by_a;
+            double       *row     = &matrix(dim * a + i, 0);
             for (unsigned int b = 0; b < n_nodes; ++b)
               row[dim * b + j] = of_node[b];
           }
@@ -392,14 +400,13 @@ namespace emmy
       {
         for (unsigned int a = 0; a < n; ++a)
           {
-            for (std::size_t k = first[nodes[a]]; k < first[nodes[a] + 1]; ++k)
-              place_of_node[neighbours[k]] = dim * k;
+            find_places_of(nodes[a], nodes, n);
             for (unsigned int c = 0; c < dim; ++c)
               {
                 double *row =
                   matrix.trilinos_matrix()[unknown<dim>(nodes[a], c)];
-                for (unsigned int b = 0; b < n; ++b)
-                  row[places[place_of_node[nodes[b]] + c]] += nodal(a, b);
+                for (const auto &[b, place] : node_places)
+                  row[places[place + c]] += nodal(a, b);
               }
           }
         return;
@@ -422,20 +429,20 @@ namespace emmy
 
   template <int dim>
   void
-  BlockSum<dim>::add(const unsigned int               *nodes,
-                     const dealii::FullMatrix<double> &block)
+  BlockSum<dim>::add(const unsigned int *nodes, const ComponentBlocks &blocks)
   {
-    const unsigned int n     = block.m() / dim;
+    const unsigned int n     = blocks.n_nodes;
     unsigned int       n_new = 0;
     for (unsigned int a = 0; a < n; ++a)
       if (index_of[nodes[a]] == dealii::numbers::invalid_unsigned_int)
         ++n_new;
-    const unsigned int room =
-      members.empty() ? std::max(most_nodes, n) : sum.m() / dim;
     if (members.size() + n_new > room)
       flush();
     if (members.empty())
-      sum.reinit(dim * std::max(most_nodes, n), dim * std::max(most_nodes, n));
+      {
+        room = std::max(most_nodes, n);
+        sum.assign(dim * dim * room * room, 0.);
+      }
     indices.resize(n);
     for (unsigned int a = 0; a < n; ++a)
       {
@@ -447,15 +454,16 @@ namespace emmy
           }
         indices[a] = index;
       }
-    for (unsigned int a = 0; a < n; ++a)
-      for (unsigned int c = 0; c < dim; ++c)
-        {
-          double       *row    = &sum(unknown<dim>(indices[a], c), 0);
-          const double *values = &block(unknown<dim>(a, c), 0);
-          for (unsigned int b = 0; b < n; ++b)
-            for (unsigned int d = 0; d < dim; ++d)
-              row[dim * indices[b] + d] += values[dim * b + d];
-        }
+    for (unsigned int i = 0; i < dim; ++i)
+      for (unsigned int j = 0; j < dim; ++j)
+        for (unsigned int a = 0; a < n; ++a)
+          {
+            double *row = &sum[((i * dim + j) * room + indices[a]) * room];
+            const double *values = blocks.values + i * blocks.by_i +
+                                   j * blocks.by_j + a * blocks.by_a;
+            for (unsigned int b = 0; b < n; ++b)
+              row[indices[b]] += values[b];
+          }
   }
 
   template <int dim>
@@ -464,11 +472,13 @@ namespace emmy
   {
     if (members.empty())
       return;
-    const unsigned int n = dim * members.size();
-    used.reinit(n, n, true);
-    for (unsigned int i = 0; i < n; ++i)
-      std::copy_n(&sum(i, 0), n, &used(i, 0));
-    graph.add(members.data(), used, matrix);
+    graph.add(members.data(),
+              ComponentBlocks{sum.data(),
+                              static_cast<unsigned int>(members.size()),
+                              dim * room * room,
+                              room * room,
+                              room},
+              matrix);
     for (const unsigned int node : members)
       index_of[node] = dealii::numbers::invalid_unsigned_int;
     members.clear();

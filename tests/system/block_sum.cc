@@ -59,8 +59,9 @@ namespace
     NodeGraph<dim> graph;
     graph.make(cliques, first_dofs, all, all, constraints, MPI_COMM_SELF);
 
-    Matrix one_by_one, summed;
+    Matrix one_by_one, in_components, summed;
     one_by_one.reinit(graph.pattern());
+    in_components.reinit(graph.pattern());
     summed.reinit(graph.pattern());
     BlockSum<dim> sum(graph, summed);
     double        largest = 0.;
@@ -72,12 +73,30 @@ namespace
           for (unsigned int j = 0; j < n; ++j)
             block(i, j) = 1. + below(1000) + (i == j ? 1e4 : 0.);
         graph.add(group.data(), block, one_by_one);
-        sum.add(group.data(), block);
+        const unsigned int  n_group = group.size();
+        std::vector<double> values;
+        for (unsigned int ij = 0; ij < dim * dim; ++ij)
+          for (unsigned int a = 0; a < n_group; ++a)
+            for (unsigned int b = 0; b < n_group; ++b)
+              values.push_back(block(dim * a + ij / dim, dim * b + ij % dim));
+        const ComponentBlocks blocks{values.data(),
+                                     n_group,
+                                     dim * n_group * n_group,
+                                     n_group * n_group,
+                                     n_group};
+        graph.add(group.data(), blocks, in_components);
+        sum.add(group.data(), blocks);
       }
     sum.flush();
     one_by_one.compress(dealii::VectorOperation::add);
+    in_components.compress(dealii::VectorOperation::add);
     summed.compress(dealii::VectorOperation::add);
     largest = one_by_one.linfty_norm();
+    in_components.add(-1., one_by_one);
+    test::check_close(in_components.linfty_norm(),
+                      0.,
+                      1e-14 * largest,
+                      std::to_string(dim) + "D: in both orders");
     summed.add(-1., one_by_one);
     test::check(largest > 1e5, "there is something to compare");
     test::check_close(summed.linfty_norm(),

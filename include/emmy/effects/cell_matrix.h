@@ -43,7 +43,11 @@ namespace emmy
     ComponentBlocks
     blocks() const
     {
-      return {sum.data(), n_nodes, n_padded};
+      return {sum.data(),
+              n_nodes,
+              dim * n_padded * n_padded,
+              n_padded * n_padded,
+              n_padded};
     }
 
   private:

@@ -1,8 +1,6 @@
 #ifndef emmy_effects_internal_force_h
 #define emmy_effects_internal_force_h
 
-#include <deal.II/lac/full_matrix.h>
-
 #include <emmy/effects/cell_matrix.h>
 #include <emmy/effects/stress_states.h>
 
@@ -64,8 +62,6 @@ namespace emmy
       MiddleStep<dim>     middle;
       std::vector<double> nodal_force;
       CellMatrix<dim>     stiffness;
-      /** In place of stiffness where places move, and for sum. */
-      dealii::FullMatrix<double> block;
       /** Where groups are small, and overlap. */
       std::optional<BlockSum<dim>> sum;
     };
@@ -80,13 +76,6 @@ namespace emmy
               const Group         &group,
               Assembly            &work,
               Matrix              *jacobian) const;
-
-    /** Add the matrix of a group. */
-    void
-    add_block(const StepData<dim> &step,
-              const Group         &group,
-              Assembly            &work,
-              Matrix              &jacobian) const;
 
     /**
      * The stress of up to max_batch_points points of a group, from point

@@ -1,7 +1,7 @@
 #ifndef emmy_effects_moving_places_h
 #define emmy_effects_moving_places_h
 
-#include <deal.II/lac/full_matrix.h>
+#include <deal.II/base/aligned_vector.h>
 
 #include <emmy/effects/effect.h>
 #include <emmy/material/middle_step.h>
@@ -71,12 +71,20 @@ namespace emmy
     void
     begin(const StepData<dim> &step, std::vector<double> point_forces);
 
+    /** Before the points of a group, which has so many nodes. */
+    void
+    begin_group(const unsigned int n_nodes);
+
     /**
      * Add the derivative of the points' inertia and stress with respect to
      * the nodes, J + r_q (I - Q_q)^-1 Q_u, to the matrix of their group.
      */
     void
-    add(const Points &points, dealii::FullMatrix<double> &matrix);
+    add(const Points &points);
+
+    /** That matrix; until the next group begins. */
+    ComponentBlocks
+    blocks() const;
 
     /** r_q (I - Q_q)^-1 (Q - q) at the local nodes, [dim * node + c], N. */
     const std::vector<double> &
@@ -128,9 +136,6 @@ namespace emmy
   private:
     using Group  = typename Stencils<dim>::Group;
     using Vector = dealii::Tensor<1, dim>;
-    /** Numbers by node of a group. */
-    using Row = std::array<double, dealii::Utilities::pow(4, dim)>;
-
     /** How a point moves, and how that changes with its place. */
     struct Motion
     {
@@ -139,15 +144,28 @@ namespace emmy
       std::array<dealii::Tensor<2, dim>, nq> L_by_q;
     };
 
-    /** Work arrays: of a group u, of a point the others. */
+    /** Rows of numbers by node of a group, behind them zeros to full lanes. */
+    using Rows = dealii::AlignedVector<double>;
+
+    /** Work arrays: of a group, of some points of it, and of one. */
     struct Work
     {
-      std::array<Row, dim>                 u;       ///< by component
-      std::array<Row, dim + 1>             weights; ///< S, grad S
-      PlaceDerivatives<dim>                derivatives;
-      std::array<std::array<Row, dim>, nq> force_by_q; ///< r,k by component
-      /** Of the points so far: (dim a + i, n_nodes j + b). */
-      dealii::FullMatrix<double> matrix;
+      unsigned int n_nodes = 0, n_padded = 0;
+      Rows         u;   ///< by component
+      Rows         sum; ///< [((i dim + j) n_padded + a) n_padded + b]
+
+      unsigned int n_points = 0;
+      /** S, grad S, [q (dim + 1) + l]. */
+      Rows weights;
+      /**
+       * The force by the motion of the point, (Su)_j and L_jd, as its place
+       * follows: [((q dim + i) (dim + 1) + l) dim + j].
+       */
+      Rows by_motion;
+
+      PlaceDerivatives<dim> derivatives;
+      Rows                  weights_by_q; ///< [k (dim + 1) + l]
+      Rows                  force_by_q;   ///< r,k by component, [k dim + i]
     };
 
     void
@@ -155,7 +173,7 @@ namespace emmy
 
     /** From the weights and their derivatives. */
     Motion
-    motion(const unsigned int n_nodes) const;
+    motion() const;
 
     /** Q - q, and (I - Q_q)^-1 times Q_u. */
     Response
@@ -163,17 +181,16 @@ namespace emmy
              const unsigned int in_batch,
              const Motion      &motion);
 
-    /** r,k, with the share of the residual. */
+    /** The rows of a point from what was found there. */
     void
-    find_force_by_q(const Points                &points,
-                    const unsigned int           in_batch,
-                    const Motion                &motion,
-                    const dealii::Tensor<1, nq> &shift);
+    find_rows(const Points      &points,
+              const unsigned int in_batch,
+              const Motion      &motion,
+              const Response    &response);
 
+    /** Add the matrices of the points in work to the sum. */
     void
-    add_to_matrix(const Points      &points,
-                  const unsigned int in_batch,
-                  const Response    &response);
+    add_up();
 
     const PlaceRules<dim> rules;
     const Places<dim>    &places;
@@ -182,7 +199,9 @@ namespace emmy
     std::vector<Response> responses;    ///< by point
     std::vector<double>   share;
     double                defect = 0.;
-    Work                  work;
+    /** Unknowns of a place: without boxes dim, with boxes nq. */
+    const unsigned int n_used;
+    Work               work;
   };
 } // namespace emmy
 

@@ -116,46 +116,19 @@ namespace emmy
   }
 
   /**
-   * What principal_tangent() gives, and what differs from it in the normal
-   * components, in the axes of the grid: Q c Q^T with the congruence Q of the
-   * axes, without the zeros of c. It is symmetric.
+   * Turn tangents in principal axes, such as those of principal_tangent(), into
+   * the axes of the grid: Q c Q^T with the congruence Q of the axes, without
+   * the zeros of c; eight points at a time. Their normal components may be any
+   * symmetric matrix, of the shear components there is a diagonal.
+   *
+   * @param b        one per point
+   * @param tangents in and out
    */
   template <int dim>
-  inline MandelMatrix<dim>
-  tangent_from_principal(const PrincipalStrain<dim> &e,
-                         const MandelMatrix<dim>    &c)
-  {
-    constexpr unsigned int  m = n_in_plane<dim>;
-    const MandelMatrix<dim> Q = mandel::congruence<dim>(e.b.vectors);
-    MandelMatrix<dim>       Qc, result;
-    for (unsigned int a = 0; a < m; ++a)
-      {
-        for (unsigned int b = 0; b < dim; ++b)
-          for (unsigned int k = 0; k < dim; ++k)
-            Qc[a][b] += Q[a][k] * c[k][b];
-        for (unsigned int b = dim; b < m; ++b)
-          Qc[a][b] = Q[a][b] * c[b][b];
-      }
-    for (unsigned int a = 0; a < m; ++a)
-      for (unsigned int b = 0; b <= a; ++b)
-        {
-          double sum = 0.;
-          for (unsigned int k = 0; k < m; ++k)
-            sum += Qc[a][k] * Q[b][k];
-          result[a][b] = result[b][a] = sum;
-        }
-    if constexpr (dim == 2)
-      {
-        for (unsigned int a = 0; a < m; ++a)
-          {
-            for (unsigned int k = 0; k < dim; ++k)
-              result[a][3] += Q[a][k] * c[k][3];
-            result[3][a] = result[a][3];
-          }
-        result[3][3] = c[3][3];
-      }
-    return result;
-  }
+  void
+  turn_tangents(const SpectralDecomposition<dim> *b,
+                const unsigned int                n_points,
+                MandelMatrix<dim>                *tangents);
 
   /** What one point has done in a step, in its principal axes. */
   template <int dim>

@@ -42,15 +42,30 @@ namespace emmy
     /** The pattern of the blocks, and their scaled values. */
     void
     copy(const Matrix &matrix);
+    /** The arrays of L and U, from the rows of the whole. */
+    void
+    arrange(const std::vector<unsigned int> &first,
+            const std::vector<unsigned int> &pattern);
     void
     factorise();
     /** P r to work, in units of the scaled matrix and of the result. */
     double
     substitute(const Vector &r) const;
 
-    /** Blocks of node i: [first[i], first[i + 1]), by their columns. */
-    std::vector<unsigned int> first, diagonal, columns;
-    /** L without its unit diagonal, the inverse of U's diagonal, U. */
+    /** Where the row of U of a node ends. */
+    unsigned int
+    upper_end(const unsigned int node) const
+    {
+      return node > 0 ? upper[node - 1] : columns.size();
+    }
+
+    /**
+     * The rows of L, less the unit diagonal, from lower[i] to lower[i + 1].
+     * Behind them those of U, from the last one to the first, as they are
+     * needed: from upper[i] on, with the inverse of the diagonal before the
+     * others.
+     */
+    std::vector<unsigned int>  lower, upper, columns;
     std::vector<Block>         blocks;
     std::vector<double>        scale;
     mutable std::vector<float> work;

@@ -69,6 +69,15 @@ namespace emmy
     virtual ~LinearSolver() = default;
 
     /**
+     * Matrices that are prepared with places from now on are like each other,
+     * and not like those of before: a preconditioner of one serves for those
+     * with the same pattern, as long as it does.
+     */
+    virtual void
+    begin_sequence()
+    {}
+
+    /**
      * Factorise, or make the preconditioner. The matrix must stay alive.
      * @param places of the rows, for a coarse level; null: there is none
      */

@@ -18,12 +18,13 @@ namespace emmy
   /**
    * A small matrix of the unknowns of some nodes, component by component: that
    * of components i, j at nodes a, b stands at
-   * values[((i dim + j) stride + a) stride + b].
+   * values[i by_i + j by_j + a by_a + b].
    */
   struct ComponentBlocks
   {
     const double *values;
-    unsigned int  n_nodes, stride;
+    unsigned int  n_nodes;
+    std::size_t   by_i, by_j, by_a;
 
     /** The same as (dim a + i, dim b + j). */
     template <int dim>
@@ -100,7 +101,7 @@ namespace emmy
         const dealii::FullMatrix<double> &block,
         Matrix                           &matrix) const;
 
-    /** The same in another order; all nodes meet. */
+    /** The same in another order. */
     void
     add(const unsigned int    *nodes,
         const ComponentBlocks &blocks,
@@ -149,6 +150,11 @@ namespace emmy
     /** The same where some follow: their roots come behind in extended. */
     void
     hand_to_roots(const dealii::FullMatrix<double> &block) const;
+    /** Which of some nodes an owned node meets, into node_places. */
+    void
+    find_places_of(const unsigned int  node,
+                   const unsigned int *nodes,
+                   const unsigned int  n) const;
     void
     scatter(const Unknowns                   &unknowns,
             const dealii::FullMatrix<double> &block,
@@ -175,9 +181,11 @@ namespace emmy
     mutable std::vector<unsigned int> place_of_node, marked_by;
     /** Index among unknowns, and in a row, of those that the row has. */
     mutable std::vector<std::pair<unsigned int, unsigned int>> row_places;
-    mutable Unknowns                                           list, extended;
-    mutable Dofs                                               dofs;
-    mutable std::vector<Shares>                                shares;
+    /** Index among nodes, and where in places, of those that a node meets. */
+    mutable std::vector<std::pair<unsigned int, std::size_t>> node_places;
+    mutable Unknowns                                          list, extended;
+    mutable Dofs                                              dofs;
+    mutable std::vector<Shares>                               shares;
     mutable dealii::FullMatrix<double> in_order, half_condensed, condensed;
   };
 
@@ -195,7 +203,7 @@ namespace emmy
 
     /** As NodeGraph::add(). */
     void
-    add(const unsigned int *nodes, const dealii::FullMatrix<double> &block);
+    add(const unsigned int *nodes, const ComponentBlocks &blocks);
 
     /** Hand over what is there; once after the last block. */
     void
@@ -210,9 +218,11 @@ namespace emmy
     Matrix                   &matrix;
     std::vector<unsigned int> members;
     /** Of each local node: its index among the members, or none. */
-    std::vector<unsigned int>  index_of;
-    std::vector<unsigned int>  indices;
-    dealii::FullMatrix<double> sum, used;
+    std::vector<unsigned int> index_of;
+    std::vector<unsigned int> indices;
+    /** Room for so many nodes in the sum. */
+    unsigned int        room = 0;
+    std::vector<double> sum; ///< [((i dim + j) room + a) room + b]
   };
 } // namespace emmy
 
