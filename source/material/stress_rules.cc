@@ -1,5 +1,5 @@
 #include <emmy/base/exceptions.h>
-#include <emmy/material/stress_rules.h>
+#include <emmy/material/static_stress.h>
 #include <emmy/math/kinematics.h>
 
 #include <limits>
@@ -329,6 +329,35 @@ namespace emmy
 
     template <int dim>
     unsigned int
+    at_rest(const Material<dim> &material, StressBatch<dim> &batch)
+    {
+      Steps<dim>         steps;
+      const unsigned int inverted = evaluate_end(material, batch, steps);
+      if (inverted < batch.n_points)
+        return inverted;
+
+      for (unsigned int p = 0; p < batch.n_points; ++p)
+        {
+          const auto &step = steps[p];
+          const auto  Q    = mandel::congruence<dim>(step.increment_inverse);
+          const MandelVector<dim> S = Q * batch.material.kirchhoff_stress[p];
+          batch.nominal_stress[p]   = step.increment * mandel::block<dim>(S);
+          // the increment grows with dH, not dH/2 as that of the middle: its
+          // share, 1/2 S, is wanted twice
+          if (batch.with_tangent)
+            batch.tangent[p] =
+              nominal_tangent<dim>(
+                step.increment,
+                step.increment,
+                S,
+                mandel::transform<dim>(Q, batch.material.spatial_tangent[p])) +
+              nominal_tangent<dim>(step.increment, step.increment, S, {});
+        }
+      return batch.n_points;
+    }
+
+    template <int dim>
+    unsigned int
     mid_point(const Material<dim> &material, StressBatch<dim> &batch)
     {
       // the step to the mid-point, as if it were a step
@@ -407,6 +436,17 @@ namespace emmy
     return {&end_point<dim>, false};
   }
 
+  template <int dim>
+  StressRule<dim>
+  static_stress_rule()
+  {
+    return {&at_rest<dim>, false};
+  }
+
+  template StressRule<2>
+  static_stress_rule<2>();
+  template StressRule<3>
+  static_stress_rule<3>();
   template StressRule<2>
   stress_rule<2>(const std::string &);
   template StressRule<3>

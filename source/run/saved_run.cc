@@ -143,12 +143,13 @@ namespace emmy
              told,
              struggles,
              linear_solver,
+             increment,
              occupancy] = run;
       (void)particles; // in the parts
       archive &step &time &kinetic_energy;
       archive &detector &ledger &frames &frames_before_end &told &struggles
-                         &linear_solver;
-      archive &occupancy &measurements;
+                                    &linear_solver;
+      archive &increment &occupancy &measurements;
     }
 
     /** Of one rank. */

@@ -7,6 +7,7 @@
 #include <emmy/run/scene_card.h>
 #include <emmy/run/scene_effects.h>
 #include <emmy/step/explicit_stepper.h>
+#include <emmy/step/static_stepper.h>
 #include <emmy/step/stepper.h>
 
 #include <algorithm>
@@ -288,6 +289,10 @@ namespace emmy
       return std::make_unique<ExplicitStepper<dim>>(setting,
                                                     *explicit_force,
                                                     state);
+    if (parameters.time.is_static())
+      return std::make_unique<StaticStepper<dim>>(setting,
+                                                  parameters.solver,
+                                                  state);
     return std::make_unique<Stepper<dim>>(setting, parameters.solver, state);
   }
 

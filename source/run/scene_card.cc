@@ -6,6 +6,7 @@
 #include <emmy/run/scene_card.h>
 #include <emmy/run/scene_effects.h>
 #include <emmy/step/explicit_stepper.h>
+#include <emmy/step/static_stepper.h>
 
 #include <algorithm>
 #include <iomanip>
@@ -65,13 +66,15 @@ namespace emmy
       count()
       {
         const bool is_explicit = scene.explicit_force != nullptr;
-        if (!is_explicit)
+        const bool is_static   = parameters.time.is_static();
+        if (!is_explicit && !is_static)
           add(Inertia<dim>::card());
         add(is_explicit ? ExplicitForce<dim>::card()
                         : InternalForce<dim>::card());
         add_materials();
         add(stress_rule_card(parameters.method.stress_rule));
         add(explicit_card(is_explicit));
+        add(static_card(is_static));
         add_shape_functions();
         add(middle_card<dim>(scene.middle != nullptr));
         add_starved_nodes();

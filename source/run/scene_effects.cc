@@ -4,6 +4,7 @@
 #include <emmy/effects/internal_force.h>
 #include <emmy/effects/starved_nodes.h>
 #include <emmy/effects/wall_mapping.h>
+#include <emmy/material/static_stress.h>
 #include <emmy/run/scene.h>
 #include <emmy/run/scene_effects.h>
 
@@ -32,13 +33,19 @@ namespace emmy
                            FieldLayout                  &layout,
                            Effects<dim>                 &effects)
     {
-      effects.terms.push_back(std::make_unique<Inertia<dim>>(layout["mass"]));
-      effects.name_new(Inertia<dim>::card().name);
+      if (!parameters.time.is_static())
+        {
+          effects.terms.push_back(
+            std::make_unique<Inertia<dim>>(layout["mass"]));
+          effects.name_new(Inertia<dim>::card().name);
+        }
       layout.set_effect(internal_force_effect);
       effects.terms.push_back(std::make_unique<InternalForce<dim>>(
         effects.material_of_body,
         layout,
-        stress_rule<dim>(parameters.method.stress_rule),
+        parameters.time.is_static()
+          ? static_stress_rule<dim>()
+          : stress_rule<dim>(parameters.method.stress_rule),
         names_of_materials(parameters, bodies)));
       effects.name_new(internal_force_effect);
     }
@@ -99,6 +106,47 @@ namespace emmy
                                  effect +
                                  ">. Remove it from Effects/Names, or set "
                                  "Integrator = implicit."));
+    }
+
+    /** Static steps take loads: other forces know of steps in time. */
+    template <int dim>
+    void
+    require_static(const std::string &effect, const Effects<dim> &effects)
+    {
+      AssertThrow(
+        std::none_of(effects.terms.begin(),
+                     effects.terms.end(),
+                     [](const auto &term) {
+                       return term->is_force() &&
+                              !dynamic_cast<InternalForce<dim> *>(term.get());
+                     }),
+        ExcParameter("Time",
+                     "Integrator",
+                     "static",
+                     "static steps have no place for the effect <" + effect +
+                       ">. Remove it from Effects/Names, or set "
+                       "Integrator = implicit."));
+    }
+
+    /** Names whose loads are raised must be there. Throws ExcParameter. */
+    template <int dim>
+    void
+    require_raised_loads(const SceneParameters<dim> &parameters)
+    {
+      const auto &names = parameters.effect_names.names;
+      for (const std::string &name : parameters.time.raised_loads)
+        {
+          const std::string nearest = nearest_name(name, names);
+          AssertThrow(std::count(names.begin(), names.end(), name) > 0,
+                      ExcParameter("Time",
+                                   "Raised loads",
+                                   name,
+                                   (nearest.empty()
+                                      ? std::string()
+                                      : "did you mean <" + nearest + ">? ") +
+                                     "It must be one of Effects/Names: " +
+                                     join(names) + "."));
+        }
     }
 
     /** Explicit steps have a lumped mass and a stress rule of their own. */
@@ -196,7 +244,10 @@ namespace emmy
         effects.name_new(name);
         if (is_explicit)
           require_explicit(name, effects);
+        if (parameters.time.is_static())
+          require_static(name, effects);
       }
+    require_raised_loads(parameters);
     return effects;
   }
 

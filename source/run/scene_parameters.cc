@@ -129,7 +129,7 @@ namespace emmy
                   "then grows, with all balances exact. middle: at their "
                   "places in its middle, which Newton finds; a file without "
                   "this entry gets start with explicit steps and with linear "
-                  "functions.",
+                  "functions, or static ones.",
                   prm,
                   Selection("middle|start"));
     add_parameter("Geometry tolerance",
@@ -155,6 +155,15 @@ namespace emmy
                              "explicit steps take force and strain at the "
                              "same time and need no middle. Remove it, or set "
                              "it to start."));
+    AssertThrow(!time.is_static() ||
+                  (geometry == "start" && stress_rule == "end-point"),
+                ExcParameter(path(),
+                             geometry != "start" ? "Geometry" : "Stress rule",
+                             geometry != "start" ? geometry : stress_rule,
+                             "static steps balance the stress at the end of an "
+                             "increment in the places at its start. Remove the "
+                             "entry: a file with static steps needs neither "
+                             "<Geometry> nor <Stress rule>."));
     return geometry == "middle";
   }
 
@@ -369,14 +378,18 @@ namespace emmy
       return true;
     };
     const bool        is_explicit = get("Time", "Integrator") == "explicit";
+    const bool        is_static   = get("Time", "Integrator") == "static";
     const std::string walls       = get("Method", "Wall mapping");
     if (is_explicit && choose("Starved nodes", "free"))
       why_free = "explicit steps have no equation that they could follow in";
     else if (walls != "constrained" && choose("Starved nodes", "free"))
       why_free = "the map of Wall mapping = " + walls +
                  " would need followers of its own";
-    if (is_explicit || get("Method", "Shape functions") == "linear")
+    if (is_explicit || is_static ||
+        get("Method", "Shape functions") == "linear")
       choose("Geometry", "start");
+    if (is_static)
+      choose("Stress rule", "end-point");
   }
 
   template <int dim>

@@ -262,9 +262,23 @@ namespace emmy
     std::vector<double> local;
     if (has_loads())
       local.resize(dim * step.start.active->n_local_nodes());
-    for_each(step.phases, &Effect<dim>::is_load, [&](Effect<dim> &effect) {
-      effect.add_load(step, local);
-    });
+    for (std::size_t i = 0; i < effects.terms.size(); ++i)
+      {
+        if (!effects.terms[i]->is_load())
+          continue;
+        const std::string &name   = effects.term_names[i];
+        const auto         timed  = effect_scope(step.phases, name);
+        const double       factor = step.ramp ? step.ramp->factor_of(name) : 1.;
+        if (factor == 1.)
+          {
+            effects.terms[i]->add_load(step, local);
+            continue;
+          }
+        std::vector<double> whole(local.size());
+        effects.terms[i]->add_load(step, whole);
+        for (std::size_t c = 0; c < local.size(); ++c)
+          local[c] += factor * whole[c];
+      }
     return local;
   }
 

@@ -28,9 +28,25 @@ namespace emmy
                   "explicit: lumped mass, symplectic Euler, stress updated "
                   "last; for comparison. Cheap steps, which are stable only "
                   "for a Factor below about 1 (the Courant number) and are "
-                  "never halved; GIMP is more robust than linear.",
+                  "never halved; GIMP is more robust than linear. static: no "
+                  "inertia; loads are raised in <Increments> until the end "
+                  "time, which only counts them, and bodies are where forces "
+                  "balance.",
                   prm,
-                  dealii::Patterns::Selection("implicit|explicit"));
+                  dealii::Patterns::Selection("implicit|explicit|static"));
+    add_parameter("Increments",
+                  increments,
+                  "Of static steps: equal parts in which loads are raised. One "
+                  "that fails is halved. At least 1.",
+                  prm,
+                  Integer(1));
+    add_parameter("Raised loads",
+                  raised_loads,
+                  "Of static steps: those of Effects/Names whose loads are "
+                  "raised. Others act in full from the start, as the weight of "
+                  "bodies that are at rest under it already. Empty: all.",
+                  prm,
+                  dealii::Patterns::List(dealii::Patterns::Anything()));
     add_parameter("Stress update",
                   stress_update,
                   "Of explicit steps: what strains the particles at the end of "
@@ -103,6 +119,14 @@ namespace emmy
                                  "."));
     };
     require_positive("End time", end_time, " (s)");
+    AssertThrow(raised_loads.empty() || is_static(),
+                ExcParameter(path(),
+                             "Raised loads",
+                             join(raised_loads),
+                             "only static steps raise loads. Remove it, or "
+                             "set Integrator = static."));
+    if (is_static())
+      return;
     if (step_rule == "fixed")
       require_positive("Step size", step_size, " (s) with Step rule = fixed");
     else
@@ -234,6 +258,9 @@ namespace emmy
                  const FieldLayout                        &layout)
   {
     parameters.validate();
+    if (parameters.is_static())
+      return std::make_unique<ConstantStep<dim>>(parameters.end_time /
+                                                 parameters.increments);
     if (parameters.step_rule == "fixed")
       return std::make_unique<ConstantStep<dim>>(parameters.step_size);
 

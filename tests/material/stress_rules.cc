@@ -3,6 +3,8 @@
 // material, elastic and flowing: on random states, for pure rotations, at
 // equal eigenvalues and for vanishing increments.
 
+#include <emmy/material/static_stress.h>
+
 #include "laws.h"
 
 using namespace emmy;
@@ -269,6 +271,31 @@ namespace
           check_special<dim>(material, rule, !is_mid_point, name);
           check_inverted<dim>(material, rule, is_mid_point, name);
         }
+    for (const Law<dim> &law : all_laws_and_soils<dim>())
+      for (const bool is_flowing : {false, true})
+        if (!is_flowing || !law.material->history().empty())
+          {
+            const auto state =
+              state_at<dim>(*law.material, random_tensor<dim>(0.3), 0.05);
+            const auto H = random_step<dim>(*law.material, state, is_flowing);
+            check_tangent<dim>(*law.material,
+                               static_stress_rule<dim>(),
+                               state,
+                               H,
+                               1e-5,
+                               5e-8,
+                               law.name + ", static steps");
+            const auto p =
+              moved<dim>(*law.material, static_stress_rule<dim>(), state, H);
+            const auto F = identity<dim>() + H;
+            test::check_close(
+              (p.nominal_stress[0] * transpose(F) -
+               mandel::block<dim>(p.material.kirchhoff_stress[0]))
+                .norm(),
+              0.,
+              1e-12 * p.material.kirchhoff_stress[0].norm(),
+              law.name + ", static steps: the stress at the end");
+          }
   }
 } // namespace
 

@@ -19,6 +19,23 @@ namespace emmy
   class MovingPlaces;
   class ParameterFile;
 
+  /** How much of the loads acts. */
+  struct LoadRamp
+  {
+    double factor = 1.;
+    /** The effects whose loads it multiplies; empty: of all. */
+    std::vector<std::string> names;
+
+    double
+    factor_of(const std::string &effect) const
+    {
+      for (const std::string &name : names)
+        if (name == effect)
+          return factor;
+      return names.empty() ? factor : 1.;
+    }
+  };
+
   /** All that is fixed while a step is solved. */
   template <int dim>
   struct StepData
@@ -35,6 +52,8 @@ namespace emmy
      * of their inertia and stress; null where they stay.
      */
     MovingPlaces<dim> *moving = nullptr;
+    /** Of loads that are being raised; null: they act in full. */
+    const LoadRamp *ramp = nullptr;
   };
 
   /** A displacement that Newton tries. */

@@ -71,6 +71,8 @@ namespace emmy
     Told                     told;
     Struggles                struggles;
     LinearSolverState        linear_solver;
+    /** The next increment of static steps, s; 0: the usual one. */
+    double increment = 0.;
     /** A number that tells in which cells particles were at the start. */
     std::uint64_t occupancy_at_start = 0;
   };

@@ -17,16 +17,18 @@ namespace emmy
   class TimeParameters : public Section
   {
   public:
-    double       end_time          = 0.; // s, required
-    std::string  integrator        = "implicit";
-    std::string  stress_update     = "modified";
-    std::string  step_rule         = "normalised";
-    double       step_size         = 0.; // s, required by the rule `fixed`
-    double       factor            = 1.;
-    unsigned int maximum_steps     = 0;
-    unsigned int maximum_halvings  = 8;
-    double       maximum_travel    = 0.5; // cells
-    bool         shorten_last_step = true;
+    double                   end_time      = 0.; // s, required
+    std::string              integrator    = "implicit";
+    std::string              stress_update = "modified";
+    std::string              step_rule     = "normalised";
+    double                   step_size = 0.; // s, required by the rule `fixed`
+    double                   factor    = 1.;
+    unsigned int             maximum_steps     = 0;
+    unsigned int             maximum_halvings  = 8;
+    double                   maximum_travel    = 0.5; // cells
+    bool                     shorten_last_step = true;
+    unsigned int             increments        = 10; // of static steps
+    std::vector<std::string> raised_loads;           // effects; empty: all
 
     explicit TimeParameters(const std::string &path = "Time");
 
@@ -45,6 +47,12 @@ namespace emmy
     is_explicit() const
     {
       return integrator == "explicit";
+    }
+
+    bool
+    is_static() const
+    {
+      return integrator == "static";
     }
   };
 
