@@ -43,8 +43,8 @@ namespace emmy
     add_parameter("Raised loads",
                   raised_loads,
                   "Of static steps: those of Effects/Names whose loads are "
-                  "raised. Others act in full from the start, as gravity in a "
-                  "run that starts from a body at rest under it. Empty: all.",
+                  "raised. Others act in full from the start, as the weight of "
+                  "bodies that are at rest under it already. Empty: all.",
                   prm,
                   dealii::Patterns::List(dealii::Patterns::Anything()));
     add_parameter("Stress update",
