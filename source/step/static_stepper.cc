@@ -341,6 +341,7 @@ namespace emmy
       free_and_fixed(active.constraints(), increment.residual_before);
     const auto after =
       free_and_fixed(active.constraints(), equation.unconstrained_residual());
+    setting.method.balance.see_reactions(active, after.second);
     const double load_change = increment.load_before * u - equation.load() * u;
     const double imbalance   = 0.5 * (before.first * u - after.first * u);
     const double reaction_change = before.second * u - after.second * u;
@@ -383,8 +384,8 @@ namespace emmy
                      1.,
                      setting.limits.end_time / setting.limits.increments))
           break;
-        const auto &equation = *increment->equation;
-        left                 = equation.residual().l2_norm() / equation.scale();
+        StepEquation<dim> &equation = *increment->equation;
+        left = equation.residual().l2_norm() / equation.system().scale;
         if (!(left > settled) || rounds == most_rounds)
           break;
         solve(*increment);
