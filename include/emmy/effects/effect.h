@@ -25,9 +25,8 @@ namespace emmy
   /** How much of the loads acts. */
   struct LoadRamp
   {
-    double factor = 1.;
-    /** The effects whose loads it multiplies; empty: of all. */
-    std::vector<std::string> names;
+    double                   factor = 1.;
+    std::vector<std::string> names; ///< effects that it is for; empty: all
 
     double
     factor_of(const std::string &effect) const
