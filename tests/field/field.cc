@@ -311,8 +311,9 @@ namespace
                   {"Method/Starved nodes=" + starved,
                    "Method/Geometry=" + geometry,
                    "Method/Domain update=" + update});
-    if (starved == "free") // nodes of 1e-12 of a particle's mass
-      run.running->most_residual_work = 1e-6;
+    if (starved == "free") // nodes of 1e-12 of a particle's mass: how Newton
+                           // ends there depends on round-off
+      run.running->most_residual_work = 1e-5;
     is("linear_momentum_y at 1 s, kg m/s",
        run["linear_momentum_y"],
        -4000.,
