@@ -6,6 +6,7 @@
 #include <emmy/base/parameter_file.h>
 #include <emmy/effects/tool_contact.h>
 #include <emmy/effects/tool_motion.h>
+#include <emmy/effects/tool_surface.h>
 
 #include <iostream>
 #include <random>
@@ -265,6 +266,35 @@ namespace
              (carried - d_old - 0.5 * (step.spin * (carried + d_old))))
               .norm(),
             1e-15);
+    // a shape is drawn where its tool is: each facet, and all around it
+    const dealii::Point<dim> place = motion.place(0.8);
+    dealii::Point<dim>       lower, upper;
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        lower[d] = place[d] - 2.;
+        upper[d] = place[d] + 2.;
+      }
+    const double cell = 4. / (dim == 2 ? 200 : 40);
+    for (const auto &[name, shape] : all_shapes<dim>())
+      {
+        double             off = 0.;
+        Tensor<1, dim>     least, most;
+        const Surface<dim> drawn =
+          surface_of(*shape, motion, 0.8, lower, upper);
+        for (const auto &facet : drawn.facets)
+          for (const auto &vertex : facet)
+            {
+              const Tensor<1, dim> r = transpose(Q_new) * (vertex - place);
+              off = std::max(off, std::abs(shape->distance(r).value));
+              for (unsigned int d = 0; d < dim; ++d)
+                {
+                  least[d] = std::min(least[d], vertex[d] - place[d]);
+                  most[d]  = std::max(most[d], vertex[d] - place[d]);
+                }
+            }
+        at_most(name + " as drawn: off its surface, in cells", off / cell, 0.1);
+        check((most - least).norm() > 0.3, name + " is drawn");
+      }
     parameters.displacement = "";
     parameters.displacement_table =
       dim == 2 ? "0: 0, 1; 2: 4, 1" : "0: 0, 1, 0; 2: 4, 1, 0";

@@ -352,10 +352,11 @@ namespace
     fs::create_directory(run);
     std::ofstream ledger(run / "ledger.csv");
     ledger << "step,time,kinetic_energy,strain_energy,contact_energy,load_work,"
-              "tool_plate_work,residual_work,balance_error\n";
+              "tool_plate_work,residual_work,balance_error,tool_plate_x,"
+              "tool_plate_y,tool_plate_force_x,tool_plate_force_y\n";
     for (unsigned int i = 0; i < 20; ++i)
       ledger << i << "," << 0.1 * i << "," << 20 - i << "," << i << ",0,0,0,0,"
-             << (i % 5) * 1e-15 << "\n";
+             << (i % 5) * 1e-15 << ",0," << -0.1 * i << ",0," << i << "\n";
     ledger.close();
 
     Pictures                  pictures(run.string(), "Someone's title_1");
@@ -377,9 +378,19 @@ namespace
     pictures.add_snapshot(1., positions, energies, lower, upper, n_cells);
     check(count(contents(run / "pictures/particles_01.dat"), "\n") == 201,
           "the points of a snapshot");
+    Surface<dim> surface;
+    surface.facets.resize(3);
+    pictures.add_surfaces<dim>({surface});
+    check(count(contents(run / "pictures/surfaces_01.dat"), "\n") ==
+            3 * (dim + 1),
+          "the facets of a surface");
+    Pictures later(run.string(), "");
+    later.recall(pictures.memory());
+    check(later.memory() == pictures.memory(), "snapshots are remembered");
 
     const auto warnings = pictures.draw("strain energy (J)");
-    for (const std::string name : {"energies", "balance_error", "particles"})
+    for (const std::string name :
+         {"energies", "balance_error", "forces_plate", "particles"})
       {
         const fs::path picture = run / "pictures" / name;
         check(fs::exists(picture.string() + ".gp"), name + ".gp is written");
@@ -393,6 +404,9 @@ namespace
           "colours from the 1st to the 99th percentile of 0, 1, ..., 199");
     check(count(colours, "strain energy (J), from 0 to 199") == 1,
           "the extremes are in the legend");
+    check(count(contents(run / "pictures/particles.gp"), "'surfaces_01.dat'") ==
+            1,
+          "a surface is shown in its snapshot");
     const std::string script = contents(run / "pictures/energies.gp");
     check(count(script, "+ column('contact_energy')") > 0,
           "what contact stores is in the total");
