@@ -386,7 +386,8 @@ namespace
           "the facets of a surface");
     Pictures later(run.string(), "");
     later.recall(pictures.memory());
-    check(later.memory() == pictures.memory(), "snapshots are remembered");
+    check(later.memory() == pictures.memory() && later.memory().back() == 1.,
+          "snapshots are remembered, with their surfaces");
 
     const auto warnings = pictures.draw("strain energy (J)");
     for (const std::string name :
