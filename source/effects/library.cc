@@ -1,8 +1,10 @@
 #include <emmy/effects/ghost_stabilisation.h>
 #include <emmy/effects/gravity.h>
 #include <emmy/effects/manufactured_solution.h>
+#include <emmy/effects/mass_damping.h>
 #include <emmy/effects/point_load.h>
 #include <emmy/effects/tool_parameters.h>
+#include <emmy/effects/viscous_sides.h>
 
 namespace emmy
 {
@@ -24,6 +26,20 @@ namespace emmy
                      return std::make_unique<PointLoadParameters<dim>>(section);
                    },
                    PointLoadParameters<dim>::card()});
+      effects.add({"mass damping",
+                   "a force against the velocity of all particles",
+                   [](const std::string &section) {
+                     return std::make_unique<MassDampingParameters<dim>>(
+                       section);
+                   },
+                   MassDampingParameters<dim>::card()});
+      effects.add({"viscous sides",
+                   "sides of the grid that take up waves",
+                   [](const std::string &section) {
+                     return std::make_unique<ViscousSidesParameters<dim>>(
+                       section);
+                   },
+                   ViscousSidesParameters<dim>::card()});
       effects.add({"tools",
                    "rigid bodies that move as they are told, push, and rub",
                    [](const std::string &section) {

@@ -238,6 +238,13 @@ namespace emmy
   }
 
   template <int dim>
+  double
+  DruckerPrager<dim>::shear_wave_modulus() const
+  {
+    return constants.shear_modulus;
+  }
+
+  template <int dim>
   DruckerPragerParameters<dim>::DruckerPragerParameters(
     const std::string &section)
     : MaterialParameters<dim>(section)

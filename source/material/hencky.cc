@@ -156,6 +156,13 @@ namespace emmy
   }
 
   template <int dim>
+  double
+  Hencky<dim>::shear_wave_modulus() const
+  {
+    return shear_modulus;
+  }
+
+  template <int dim>
   HenckyParameters<dim>::HenckyParameters(const std::string &section)
     : MaterialParameters<dim>(section)
   {

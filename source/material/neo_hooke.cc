@@ -96,6 +96,13 @@ namespace emmy
   }
 
   template <int dim>
+  double
+  NeoHooke<dim>::shear_wave_modulus() const
+  {
+    return shear_modulus;
+  }
+
+  template <int dim>
   NeoHookeParameters<dim>::NeoHookeParameters(const std::string &section)
     : MaterialParameters<dim>(section)
   {

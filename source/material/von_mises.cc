@@ -133,6 +133,13 @@ namespace emmy
   }
 
   template <int dim>
+  double
+  VonMises<dim>::shear_wave_modulus() const
+  {
+    return constants.shear_modulus;
+  }
+
+  template <int dim>
   VonMisesParameters<dim>::VonMisesParameters(const std::string &section)
     : MaterialParameters<dim>(section)
   {

@@ -101,6 +101,8 @@ namespace emmy
 
     double
     p_wave_modulus() const override;
+    double
+    shear_wave_modulus() const override;
 
   private:
     const ElasticConstants     constants;

@@ -58,6 +58,8 @@ namespace emmy
 
     double
     p_wave_modulus() const override;
+    double
+    shear_wave_modulus() const override;
 
   private:
     const double reference_density, bulk_modulus, shear_modulus;

@@ -147,6 +147,16 @@ namespace emmy
     /** P-wave modulus K + 4/3 G of the undeformed material, Pa. */
     virtual double
     p_wave_modulus() const = 0;
+
+    /**
+     * Modulus G of shear waves in the undeformed material, Pa. 0: sides that
+     * take up waves take none of these.
+     */
+    virtual double
+    shear_wave_modulus() const
+    {
+      return 0.;
+    }
   };
 
   /** The section of a material in a parameter file. */

@@ -31,6 +31,8 @@ namespace emmy
 
     double
     p_wave_modulus() const override;
+    double
+    shear_wave_modulus() const override;
 
   private:
     /** What a step changes of psi, without a difference of energies. */
