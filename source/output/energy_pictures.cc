@@ -26,6 +26,8 @@ namespace emmy
        "friction, dissipated",
        "lc rgb '#56b4e9' dt (4,4)"},
       {"plastic_dissipation", "plastic dissipation", "lc rgb '#009e73'"},
+      {"radiated_energy", "radiated", "lc rgb '#999999'"},
+      {"damping_loss", "damping", "lc rgb '#999999' dt (4,4)"},
       {"stress_rule_loss", "stress rule loss", "lc rgb '#d55e00' dt (10,4)"},
       {"lumping_loss", "lumping loss", "lc rgb '#e69f00' dt (10,4)"},
       {"mapping_loss", "mapping loss", "lc rgb '#56b4e9' dt (10,4)"},
