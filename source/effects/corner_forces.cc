@@ -94,6 +94,20 @@ namespace emmy
 
   template <int dim>
   void
+  CornerForces<dim>::add(const PointMotion<dim> &forces,
+                         const std::array<PointMotion<dim>, dim *(dim + 1)> &by)
+  {
+    acts = true;
+    for (unsigned int row = 0; row < n_motion; ++row)
+      {
+        value[row] += forces[row];
+        for (unsigned int column = 0; column < n_motion; ++column)
+          by_motion[row][column] += by[row][column];
+      }
+  }
+
+  template <int dim>
+  void
   CornerForces<dim>::follow_places(const Group &group, const unsigned int q)
   {
     const unsigned int *nodes = step.start.active->nodes(group);

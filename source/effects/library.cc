@@ -3,6 +3,7 @@
 #include <emmy/effects/manufactured_solution.h>
 #include <emmy/effects/mass_damping.h>
 #include <emmy/effects/point_load.h>
+#include <emmy/effects/surface_loads.h>
 #include <emmy/effects/tool_parameters.h>
 #include <emmy/effects/viscous_sides.h>
 
@@ -26,6 +27,13 @@ namespace emmy
                      return std::make_unique<PointLoadParameters<dim>>(section);
                    },
                    PointLoadParameters<dim>::card()});
+      effects.add({"surface loads",
+                   "tractions and pressures on surfaces of bodies",
+                   [](const std::string &section) {
+                     return std::make_unique<SurfaceLoadsParameters<dim>>(
+                       section);
+                   },
+                   SurfaceLoadsParameters<dim>::card()});
       effects.add({"mass damping",
                    "a force against the velocity of all particles",
                    [](const std::string &section) {

@@ -172,12 +172,27 @@ namespace
     at_most(what + ": derivative of the whole step", error, 1e-8);
   }
 
+  /** The same under pressures, one all around and one on a side. */
+  template <int dim>
+  SceneParameters<dim>
+  under_pressure(const std::string &geometry)
+  {
+    ParameterFile file = ParameterFile::from_text(
+      cornered<dim>(geometry) +
+        "subsection Effects\nsubsection Surface loads\n"
+        "set Names = around, beside\nsubsection around\nset Pressure = 5\nend\n"
+        "subsection beside\nset Pressure = 8\nset Side = x-max\nend\n"
+        "end\nend\n",
+      "test");
+    file.set("Effects/Names=tools, surface loads");
+    return SceneParameters<dim>(file);
+  }
+
   template <int dim>
   void
   check_tangent_of_start()
   {
-    const SceneParameters<dim> parameters(
-      ParameterFile::from_text(cornered<dim>("start"), "test"));
+    const auto parameters = under_pressure<dim>("start");
     Scene<dim> scene(parameters, MPI_COMM_WORLD);
     scene.initial_report();
     scene.advance();
@@ -209,8 +224,7 @@ namespace
   void
   check_tangent_of_middle()
   {
-    const SceneParameters<dim> parameters(
-      ParameterFile::from_text(cornered<dim>("middle"), "test"));
+    const auto parameters = under_pressure<dim>("middle");
     Scene<dim> scene(parameters, MPI_COMM_WORLD);
     scene.initial_report();
     scene.advance();

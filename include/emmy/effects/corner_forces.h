@@ -55,6 +55,10 @@ namespace emmy
     }
   };
 
+  /** Components of (S u, L), or of (f, f (x) a): [(dim + 1) i + l]. */
+  template <int dim>
+  using PointMotion = std::array<double, dim *(dim + 1)>;
+
   /** A tensor field of a point. */
   template <int dim>
   dealii::Tensor<2, dim>
@@ -107,6 +111,13 @@ namespace emmy
         const dealii::Tensor<1, dim> &arm,
         const dealii::Tensor<1, dim> &force,
         const dealii::Tensor<2, dim> &derivative);
+    /**
+     * Add forces on the particle that is looked at, f and f (x) a, and how they
+     * change with its motion.
+     */
+    void
+    add(const PointMotion<dim>                             &forces,
+        const std::array<PointMotion<dim>, dim *(dim + 1)> &by_motion);
     /** Hand the forces on a particle to its nodes, and begin another one. */
     void
     finish(const Group &group, const unsigned int q);
@@ -118,9 +129,8 @@ namespace emmy
     finish(Vector &force);
 
   private:
-    /** Components of (S u, L), or of (f, f (x) a): [(dim + 1) i + l]. */
     static constexpr unsigned int n_motion = dim * (dim + 1);
-    using Motion                           = std::array<double, n_motion>;
+    using Motion                           = PointMotion<dim>;
 
     void
     follow_places(const Group &group, const unsigned int q);
