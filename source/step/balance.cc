@@ -102,6 +102,19 @@ namespace emmy
   }
 
   template <int dim>
+  std::string
+  Balance<dim>::missing(const StepData<dim> &step,
+                        const Vector        &displacement) const
+  {
+    std::string result;
+    for_each(step.phases, &Effect<dim>::couples, [&](Effect<dim> &effect) {
+      if (result.empty())
+        result = effect.missing(step, displacement);
+    });
+    return result;
+  }
+
+  template <int dim>
   void
   Balance<dim>::check_step(const double       time,
                            const double       time_step,
