@@ -233,11 +233,11 @@ namespace emmy
     public:
       using V = Components<dim, Number>;
 
-      Evaluation(const PairLaw         &law,
-                 const PairPoint<dim>  &first,
-                 const PairPoint<dim>  &second,
-                 const Tensor<1, dim>  &spring,
-                 PairAction<dim>       &result)
+      Evaluation(const PairLaw        &law,
+                 const PairPoint<dim> &first,
+                 const PairPoint<dim> &second,
+                 const Tensor<1, dim> &spring,
+                 PairAction<dim>      &result)
         : law(law)
         , first(first)
         , second(second)
@@ -250,23 +250,24 @@ namespace emmy
       operator()(const Unknown &unknown)
       {
         constexpr unsigned int n = PairAction<dim>::n_motion;
-        const auto one = moving<dim, Number>(first, [&](const auto i, const double v) {
-          return unknown(i, v);
-        });
+        const auto             one =
+          moving<dim, Number>(first, [&](const auto i, const double v) {
+            return unknown(i, v);
+          });
         const auto two =
           moving<dim, Number>(second, [&](const auto i, const double v) {
             return unknown(n + i, v);
           });
         const Tensor<1, dim> before = first.place() - second.place();
         const double         d_old  = before.norm();
-        const V way  = one.way.plus(-1., two.way);
-        const V at_end = constant<dim, Number>(before).plus(1., way);
-        const V mean   = constant<dim, Number>(before).plus(0.5, way);
+        const V              way    = one.way.plus(-1., two.way);
+        const V      at_end = constant<dim, Number>(before).plus(1., way);
+        const V      mean   = constant<dim, Number>(before).plus(0.5, way);
         const Number square = at_end.dot(at_end);
         const Number d_new  = sqrt_of(square);
         const Number gap    = d_new - law.reach;
-        result.gap_old = d_old - law.reach;
-        result.gap_new = plain(gap);
+        result.gap_old      = d_old - law.reach;
+        result.gap_new      = plain(gap);
 
         Forces<dim, Number> forces;
         result.spring_stored = result.slip = 0.;
@@ -274,10 +275,11 @@ namespace emmy
           let_go(spring_old); // what is open at the start has let go
         if (result.gap_old >= 0. && result.gap_new >= 0.)
           return forces;
-        result.acts   = true;
-        result.stored = pair_energy(law, result.gap_new) -
-                        pair_energy(law, result.gap_old);
-        const Number c = -2. * quotient(law, result.gap_old, gap) / (d_old + d_new);
+        result.acts = true;
+        result.stored =
+          pair_energy(law, result.gap_new) - pair_energy(law, result.gap_old);
+        const Number c =
+          -2. * quotient(law, result.gap_old, gap) / (d_old + d_new);
         forces.add(c, mean, one.arm, forces.first);
         forces.add(-c, mean, two.arm, forces.second);
         for (unsigned int i = 0; i < dim; ++i)
@@ -325,8 +327,9 @@ namespace emmy
         const V      n      = mean.times(scale);
         const V      b_one  = common(one, first, mean).times(-law.share),
                 b_two       = common(two, second, mean).times(1. - law.share);
-        const V slide =
-          way.plus(1., one.turned(b_one)).plus(-1., two.turned(b_two)).across(n);
+        const V slide       = way.plus(1., one.turned(b_one))
+                          .plus(-1., two.turned(b_two))
+                          .across(n);
         const V      spring = laid_spring(n);
         const double k      = law.spring_stiffness;
         V            T      = spring.plus(0.5, slide).times(k);
@@ -351,8 +354,7 @@ namespace emmy
           result.spring *= plain(limit) / (k * stretch);
         const double before =
           result.gap_old >= 0. ? 0. : spring_old.norm_square();
-        const double gain =
-          0.5 * k * (result.spring.norm_square() - before);
+        const double gain = 0.5 * k * (result.spring.norm_square() - before);
         result.spring_stored += gain;
         result.slip += work - gain;
         if (result.gap_new >= 0.)

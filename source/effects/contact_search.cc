@@ -27,8 +27,8 @@ namespace emmy
                          const unsigned int second) const
   {
     const ContactBody<dim> &one = bodies[first], &two = bodies[second];
-    const double between = 0.5 * (one.spacing + two.spacing) /
-                           points_per_direction; // s_c
+    const double            between =
+      0.5 * (one.spacing + two.spacing) / points_per_direction; // s_c
     const double modulus =
       2. * one.modulus * two.modulus / (one.modulus + two.modulus);
     const double k = stiffness * modulus * std::pow(between, dim - 2);
@@ -124,8 +124,8 @@ namespace emmy
           if ((between + one.F * rules.point(one.body, i) -
                two.F * rules.point(two.body, j))
                 .norm() < reach)
-            result.push_back({{static_cast<unsigned char>(i),
-                               static_cast<unsigned char>(j)}});
+            result.push_back(
+              {{static_cast<unsigned char>(i), static_cast<unsigned char>(j)}});
       return result;
     }
 
@@ -156,7 +156,7 @@ namespace emmy
 
   template <int dim>
   Candidates<dim>
-  find_candidates(const ContactRules<dim>           &rules,
+  find_candidates(const ContactRules<dim>          &rules,
                   std::vector<ContactParticle<dim>> particles,
                   const double                      margin)
   {
@@ -194,8 +194,8 @@ namespace emmy
           {
             (void)place;
             const ContactParticle<dim> &two = found.particles[j];
-            if (j <= i || rules.bodies[one.body].group ==
-                            rules.bodies[two.body].group)
+            if (j <= i ||
+                rules.bodies[one.body].group == rules.bodies[two.body].group)
               continue;
             auto points = near_points(rules, one, two, margin);
             if (!points.empty())
@@ -206,10 +206,10 @@ namespace emmy
     return found;
   }
 
-#define INSTANTIATE(dim)                                                  \
-  template struct ContactRules<dim>;                                      \
-  template struct ContactParticle<dim>;                                   \
-  template Candidates<dim> find_candidates<dim>(                          \
+#define INSTANTIATE(dim)                         \
+  template struct ContactRules<dim>;             \
+  template struct ContactParticle<dim>;          \
+  template Candidates<dim> find_candidates<dim>( \
     const ContactRules<dim> &, std::vector<ContactParticle<dim>>, double);
   INSTANTIATE(2)
   INSTANTIATE(3)

@@ -67,15 +67,15 @@ namespace emmy
    * @f[ \psi(g) = \frac kq \langle -g \rangle^q / \rho^{q-2}, \qquad
    *     f = -\frac{2}{|x_0| + |x_1|} \frac{\psi_1 - \psi_0}{g_1 - g_0} x_m,
    *     \qquad f \cdot w = -(\psi_1 - \psi_0) @f]
-   * acts on the first point, -f on the second. A force on a point with the arm a
-   * has the components f and f (x) a for its particle.
+   * acts on the first point, -f on the second. A force on a point with the arm
+   * a has the components f and f (x) a for its particle.
    *
    * Friction acts at one common place of both particles, so that it gives no
    * torque: with @f$ b_1 = -\alpha (I + \tfrac12 H_1)^{-1} x_m @f$ and
    * @f$ b_2 = (1 - \alpha)(I + \tfrac12 H_2)^{-1} x_m @f$ (with arms of the
    * middle without the inverse) what slides is @f$ \Delta = w + L_1 b_1 - L_2
-   * b_2 @f$, and the arms are a + b. It is returned in the middle of the step as
-   * in contact(), with n along x_m and N = |f|.
+   * b_2 @f$, and the arms are a + b. It is returned in the middle of the step
+   * as in contact(), with n along x_m and N = |f|.
    *
    * The derivative is that of a number that knows it (Sacado), in the motions
    * of both particles.

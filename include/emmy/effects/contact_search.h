@@ -96,7 +96,7 @@ namespace emmy
    */
   template <int dim>
   Candidates<dim>
-  find_candidates(const ContactRules<dim>           &rules,
+  find_candidates(const ContactRules<dim>          &rules,
                   std::vector<ContactParticle<dim>> particles,
                   const double                      margin);
 } // namespace emmy

@@ -55,6 +55,16 @@ namespace emmy
     }
   };
 
+  /** F of the particles, as domain updates ask for it. */
+  template <int dim>
+  Field
+  deformation_gradient_field();
+
+  /** Those of the scene's bodies. */
+  template <int dim>
+  std::vector<ParticleCorners<dim>>
+  corners_of_bodies(const Effects<dim> &effects);
+
   /** A tensor field of a point. */
   template <int dim>
   dealii::Tensor<2, dim>
@@ -74,6 +84,30 @@ namespace emmy
                 const std::vector<double>           &local_displacement,
                 const ParticleCorners<dim>          &corners,
                 const unsigned int                   deformation_gradient);
+
+  /** Components of (S u, L), or of (f, f (x) a): [(dim + 1) i + l]. */
+  template <int dim>
+  using PointMotion = std::array<double, dim *(dim + 1)>;
+
+  /**
+   * How the motion z = (S u, L) of a point changes with that of its nodes,
+   * where its place follows them: dz = by_nodes (W du) + shift, with W the
+   * weights S and grad S. The unit matrix and zero where places stay.
+   */
+  template <int dim>
+  struct FollowedMotion
+  {
+    std::array<PointMotion<dim>, dim *(dim + 1)> by_nodes;
+    PointMotion<dim>                             shift;
+  };
+
+  /** Of point @p q of a group, in an evaluation with derivatives. */
+  template <int dim>
+  FollowedMotion<dim>
+  followed_motion(const StepData<dim>                 &step,
+                  const typename Stencils<dim>::Group &group,
+                  const unsigned int                   q,
+                  const std::vector<double>           &local_displacement);
 
   /**
    * Forces on corners, handed to the nodes: f at the arm a of a particle acts
@@ -107,6 +141,13 @@ namespace emmy
         const dealii::Tensor<1, dim> &arm,
         const dealii::Tensor<1, dim> &force,
         const dealii::Tensor<2, dim> &derivative);
+    /**
+     * Add forces on the particle that is looked at, f and f (x) a, and how they
+     * change with its motion.
+     */
+    void
+    add(const PointMotion<dim>                             &forces,
+        const std::array<PointMotion<dim>, dim *(dim + 1)> &by_motion);
     /** Hand the forces on a particle to its nodes, and begin another one. */
     void
     finish(const Group &group, const unsigned int q);
@@ -118,9 +159,8 @@ namespace emmy
     finish(Vector &force);
 
   private:
-    /** Components of (S u, L), or of (f, f (x) a): [(dim + 1) i + l]. */
     static constexpr unsigned int n_motion = dim * (dim + 1);
-    using Motion                           = std::array<double, n_motion>;
+    using Motion                           = PointMotion<dim>;
 
     void
     follow_places(const Group &group, const unsigned int q);
