@@ -1,3 +1,4 @@
+#include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
 #include <emmy/effects/body_contact.h>
 #include <emmy/effects/moving_places.h>
@@ -34,6 +35,11 @@ namespace emmy
   BodyContact<dim>::mark(const BackgroundGrid<dim>               &grid,
                          dealii::Particles::ParticleHandler<dim> &given) const
   {
+    AssertThrow(dealii::Utilities::MPI::n_mpi_processes(grid.communicator()) ==
+                  1,
+                ExcRun("Effects/Contact",
+                       "pairs of particles on several ranks are not known yet",
+                       "run on one rank."));
     std::vector<ContactParticle<dim>> particles;
     for (const auto &particle : given)
       {

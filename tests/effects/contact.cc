@@ -3,6 +3,8 @@
 // places stay or follow; bodies of several velocity fields are as if alone
 // where nothing pushes them; what cannot be is refused.
 
+#include <emmy/effects/contact_pair.h>
+
 #include "tangent.h"
 
 using namespace emmy;
@@ -21,7 +23,8 @@ namespace
     std::string names = "left, right", effects = "contact",
                 contact = "set Groups = left | right\n"
                           "set Friction coefficient = 0.4\n";
-    std::string starved = "set Starved nodes = follow\n";
+    std::string starved = "set Starved nodes = follow\n"
+                          "set Starved threshold = 0.1\n";
 
     std::string
     text() const
@@ -183,6 +186,39 @@ namespace
       }
   }
 
+  /**
+   * Two lattices of contact points without end, one shifted over the other at
+   * many heights, which are pressures of 0.15 to 2.2 beta M for the default:
+   * the largest force along their face, of that across it.
+   */
+  double
+  ripple(const double radius, const unsigned int exponent)
+  {
+    const PairLaw law{1., radius, exponent, 0.5, 0., 1.};
+    double        largest = 0.;
+    for (double height = 0.9; height < std::min(2.05, radius); height += 0.1)
+      for (double shift = 0.; shift < 1.; shift += 0.05)
+        {
+          // on a column of the upper one, of spacing 1
+          dealii::Tensor<1, 2> force;
+          for (int row = 0; row < 4; ++row)
+            for (int below = 0; below < 4; ++below)
+              for (int along = -4; along <= 4; ++along)
+                {
+                  PairPoint<2> upper{}, lower{};
+                  upper.particle[0] = shift;
+                  upper.particle[1] = height + row;
+                  lower.particle[0] = along;
+                  lower.particle[1] = -below;
+                  force += pair_action(
+                             law, upper, lower, dealii::Tensor<1, 2>(), false)
+                             .force;
+                }
+          largest = std::max(largest, std::abs(force[0]) / force[1]);
+        }
+    return largest;
+  }
+
   void
   check_refusals()
   {
@@ -215,11 +251,12 @@ main(int argc, char *argv[])
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   for (const std::string geometry : {"start", "middle"})
     {
-      check_fields(geometry, "set Starved nodes = follow\n");
-      check_fields(geometry, "set Starved nodes = free\n");
+      check_fields(geometry,
+                   "set Starved nodes = follow\nset Starved threshold = 0.1\n");
       check_run<2>(geometry);
       check_run<3>(geometry);
     }
+  check_fields("start", "set Starved nodes = free\n");
   Blocks<2> plane;
   Blocks<3> space;
   test::check_tangent_of_start<2>(plane.text());
@@ -227,6 +264,8 @@ main(int argc, char *argv[])
   plane.geometry = space.geometry = "middle";
   test::check_tangent_of_middle<2>(plane.text());
   test::check_tangent_of_middle<3>(space.text());
+  at_most("ripple of the default", ripple(2.5, 3), 0.02);
+  at_most("ripple of narrow points found, less than", 0.3, ripple(1., 2));
   check_refusals();
   return test::report();
 }
