@@ -74,8 +74,8 @@ namespace emmy
     }
 
     /**
-     * Where no root is near, lower the bar until cells reach it, and count
-     * their nodes as fed. Collective.
+     * Where no root is near, lower the bar until cells of a field reach it,
+     * and count their nodes as fed. Collective.
      */
     template <int dim>
     void
@@ -83,20 +83,23 @@ namespace emmy
                     const NodeValues          &part,
                     const double               threshold,
                     const BackgroundGrid<dim> &grid,
+                    const unsigned int         field,
                     NodeValues                &fed)
     {
       for (double bar = threshold;;)
         {
-          const auto roots = find_roots(stencils, fed, grid, farthest_layer);
+          const auto roots =
+            find_roots(stencils, fed, grid, field, farthest_layer);
           // the least part of the nodes of a cell that has no root
           std::vector<std::pair<typename BackgroundGrid<dim>::Cell, double>>
                  without;
           double best = -1.;
-          for (const auto &cell : stencils.active_cells)
-            if (roots.find(grid.key_of(cell)) == roots.end())
+          for (const auto &[cell, of_field] : stencils.active_cells)
+            if (of_field == field &&
+                roots.find(grid.key_of(cell)) == roots.end())
               {
                 double least = std::numeric_limits<double>::max();
-                for (const auto id : grid.node_ids(cell))
+                for (const auto id : grid.node_ids(cell, field))
                   least = std::min<double>(least, part(id));
                 without.emplace_back(cell, least);
                 best = std::max(best, least);
@@ -111,7 +114,7 @@ namespace emmy
           NodeValues kept(grid.nodes());
           for (const auto &[cell, least] : without)
             if (reaches(least, bar))
-              for (const auto id : grid.node_ids(cell))
+              for (const auto id : grid.node_ids(cell, field))
                 kept(id) = 1.;
           kept.compress(dealii::VectorOperation::max);
           for (unsigned int i = 0; i < kept.locally_owned_size(); ++i)
@@ -122,16 +125,16 @@ namespace emmy
     }
     /** Nodes and their classes, to all ranks that may own them. Collective. */
     template <int dim>
-    std::vector<std::pair<CellKey<dim>, bool>>
-    sent_to_owners(const std::vector<std::pair<CellKey<dim>, bool>> &nodes,
-                   const BackgroundGrid<dim>                        &grid)
+    std::vector<std::pair<NodePlace<dim>, bool>>
+    sent_to_owners(const std::vector<std::pair<NodePlace<dim>, bool>> &nodes,
+                   const BackgroundGrid<dim>                          &grid)
     {
-      using Nodes = std::vector<std::pair<CellKey<dim>, bool>>;
+      using Nodes = std::vector<std::pair<NodePlace<dim>, bool>>;
       std::map<unsigned int, Nodes> outgoing;
       for (const auto &node : nodes)
         {
           std::set<unsigned int> ranks;
-          for (const CellKey<dim> &cell : grid.cells_at_node(node.first))
+          for (const CellKey<dim> &cell : grid.cells_at_node(node.first.first))
             for (const unsigned int rank : grid.possible_owners(cell))
               ranks.insert(rank);
           for (const unsigned int rank : ranks)
@@ -243,16 +246,20 @@ namespace emmy
     };
     if (count(part, is_starved) > 0)
       {
-        keep_best_cells(stencils, part, threshold, grid, classes.fed);
+        for (unsigned int field = 0; field < grid.fields().size(); ++field)
+          keep_best_cells(stencils, part, threshold, grid, field, classes.fed);
         classes.n_kept = count(part, [&](const unsigned int i) {
           return is_starved(i) && classes.fed.local_element(i) > 0.;
         });
       }
     for (unsigned int i = 0; i < part.locally_owned_size(); ++i)
       if (part.local_element(i) >= 0.)
-        classes.active.emplace_back(grid.node_key(
-                                      grid.nodes()->local_to_global(i)),
-                                    classes.fed.local_element(i) > 0.);
+        {
+          const auto id = grid.nodes()->local_to_global(i);
+          classes.active.emplace_back(NodePlace<dim>{grid.node_key(id),
+                                                     grid.fields().field(id)},
+                                      classes.fed.local_element(i) > 0.);
+        }
     std::sort(classes.active.begin(), classes.active.end());
     return classes;
   }
@@ -277,19 +284,24 @@ namespace emmy
       return result;
 
     // as many layers as there are: the particles may have moved since
-    const auto roots = find_roots(stencils,
-                                  classes.fed,
-                                  grid,
-                                  std::numeric_limits<unsigned int>::max());
     std::map<dealii::types::global_dof_index, std::vector<Root<dim>>> chosen;
-    for (unsigned int i = 0; i < active.locally_owned_size(); ++i)
-      if (is_starved(i))
-        {
-          const auto id = grid.nodes()->local_to_global(i);
-          auto nearest  = nearest_roots<dim>(roots, grid.node_key(id), grid);
-          if (!nearest.empty())
-            chosen[id] = std::move(nearest);
-        }
+    for (unsigned int field = 0; field < grid.fields().size(); ++field)
+      {
+        const auto roots = find_roots(stencils,
+                                      classes.fed,
+                                      grid,
+                                      field,
+                                      std::numeric_limits<unsigned int>::max());
+        for (unsigned int i = 0; i < active.locally_owned_size(); ++i)
+          {
+            const auto id = grid.nodes()->local_to_global(i);
+            if (grid.fields().field(id) != field || !is_starved(i))
+              continue;
+            auto nearest = nearest_roots<dim>(roots, grid.node_key(id), grid);
+            if (!nearest.empty())
+              chosen[id] = std::move(nearest);
+          }
+      }
     const MPI_Comm communicator = grid.communicator();
     result.n_followers =
       dealii::Utilities::MPI::sum(std::uint64_t(chosen.size()), communicator);
@@ -301,7 +313,9 @@ namespace emmy
     std::sort(result.followers.begin(),
               result.followers.end(),
               [&](const auto &a, const auto &b) {
-                return grid.node_key(a.node_id) < grid.node_key(b.node_id);
+                const CellKey<dim> &key_a = grid.node_key(a.node_id),
+                                   &key_b = grid.node_key(b.node_id);
+                return key_a != key_b ? key_a < key_b : a.node_id < b.node_id;
               });
     for (const Follower<dim> &follower : result.followers)
       {

@@ -1,9 +1,45 @@
 #include <emmy/effects/corner_forces.h>
 #include <emmy/effects/moving_places.h>
 
+#include <cmath>
+
 namespace emmy
 {
   using dealii::Tensor;
+
+  template <int dim>
+  Field
+  deformation_gradient_field()
+  {
+    std::vector<double> unit(dim * dim, 0.);
+    for (unsigned int d = 0; d < dim; ++d)
+      unit[dim * d + d] = 1.;
+    return {"deformation_gradient",
+            Field::Kind::tensor,
+            "1",
+            "deformation gradient F since the start of the run",
+            unit};
+  }
+
+  template <int dim>
+  std::vector<ParticleCorners<dim>>
+  corners_of_bodies(const Effects<dim> &effects)
+  {
+    std::vector<ParticleCorners<dim>> result;
+    for (unsigned int b = 0; b < effects.half_length_of_body.size(); ++b)
+      {
+        const auto &l      = effects.half_length_of_body[b];
+        double      volume = 1.;
+        for (unsigned int d = 0; d < dim; ++d)
+          volume *= 2. * l[d];
+        const double s = std::pow(volume, 1. / dim);
+        result.push_back({l,
+                          s,
+                          effects.material_of_body[b]->p_wave_modulus() *
+                            (dim == 3 ? s : 1.) / (1u << (dim - 1))});
+      }
+    return result;
+  }
 
   template <int dim>
   Tensor<2, dim>
@@ -47,6 +83,41 @@ namespace emmy
         result.Z = invert(from_start);
         result.F = result.Z * result.F_old;
       }
+    return result;
+  }
+
+  template <int dim>
+  FollowedMotion<dim>
+  followed_motion(const StepData<dim>                 &step,
+                  const typename Stencils<dim>::Group &group,
+                  const unsigned int                   q,
+                  const std::vector<double>           &u)
+  {
+    FollowedMotion<dim> result{};
+    for (unsigned int row = 0; row < result.by_nodes.size(); ++row)
+      result.by_nodes[row][row] = 1.;
+    if (!step.moving)
+      return result;
+    const unsigned int   *nodes = step.start.active->nodes(group);
+    PlaceDerivatives<dim> by_place;
+    const auto &response = step.moving->response_of(group.first_point + q);
+    step.moving->differentiate(step, group, q, by_place);
+    for (unsigned int k = 0; k < PlaceDerivatives<dim>::n; ++k)
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int l = 0; l <= dim; ++l)
+          {
+            double sum = 0.; // z,k
+            for (unsigned int a = 0; a < group.n_nodes; ++a)
+              sum += (l == 0 ? by_place.value(k)[a]
+                             : by_place.gradient(k, l - 1)[a]) *
+                     u[unknown<dim>(nodes[a], i)];
+            const unsigned int row = (dim + 1) * i + l;
+            result.shift[row] += sum * response.shift[k];
+            for (unsigned int j = 0; j < dim; ++j)
+              for (unsigned int m = 0; m <= dim; ++m)
+                result.by_nodes[row][(dim + 1) * j + m] +=
+                  sum * response.by_motion[k][j][m];
+          }
     return result;
   }
 
@@ -229,16 +300,24 @@ namespace emmy
       step.moving->add_to_share(share);
   }
 
-#define INSTANTIATE(dim)                                                      \
-  template class CornerForces<dim>;                                           \
-  template Tensor<2, dim>    tensor_field<dim>(const PointArrays<dim> &,      \
-                                            const unsigned int,            \
-                                            const std::size_t);            \
-  template CornerMotion<dim> corner_motion<dim>(const StepData<dim> &,        \
-                                                const Stencils<dim>::Group &, \
-                                                const unsigned int,           \
-                                                const std::vector<double> &,  \
-                                                const ParticleCorners<dim> &, \
+#define INSTANTIATE(dim)                                                        \
+  template Field                             deformation_gradient_field<dim>(); \
+  template std::vector<ParticleCorners<dim>> corners_of_bodies<dim>(            \
+    const Effects<dim> &);                                                      \
+  template FollowedMotion<dim> followed_motion<dim>(                            \
+    const StepData<dim> &,                                                      \
+    const Stencils<dim>::Group &,                                               \
+    const unsigned int,                                                         \
+    const std::vector<double> &);                                               \
+  template class CornerForces<dim>;                                             \
+  template Tensor<2, dim>    tensor_field<dim>(const PointArrays<dim> &,        \
+                                            const unsigned int,              \
+                                            const std::size_t);              \
+  template CornerMotion<dim> corner_motion<dim>(const StepData<dim> &,          \
+                                                const Stencils<dim>::Group &,   \
+                                                const unsigned int,             \
+                                                const std::vector<double> &,    \
+                                                const ParticleCorners<dim> &,   \
                                                 const unsigned int);
   INSTANTIATE(2)
   INSTANTIATE(3)

@@ -2,41 +2,27 @@
 #include <emmy/system/active_cells.h>
 
 #include <algorithm>
-#include <map>
 
 namespace emmy
 {
   namespace
   {
-    /** What is known of an active cell. */
-    struct CellData
-    {
-      double density = 0., modulus = 0.; ///< the largest, kg/m^3, Pa
-      bool   is_boundary = false;
-
-      void
-      include(const double other_density, const double other_modulus)
-      {
-        density = std::max(density, other_density);
-        modulus = std::max(modulus, other_modulus);
-      }
-    };
-
     template <int dim>
-    using ActiveCells = std::map<CellKey<dim>, CellData>;
+    using ActiveCells = std::map<CellKey<dim>, GhostCell>;
 
-    /** The active cells that this rank owns. Collective. */
+    /** The active cells of each field that this rank owns. Collective. */
     template <int dim>
-    ActiveCells<dim>
+    std::vector<ActiveCells<dim>>
     owned_cells(const Stencils<dim>                      &stencils,
                 const BackgroundGrid<dim>                &grid,
                 const std::vector<const Material<dim> *> &material_of_body)
     {
-      ActiveCells<dim> cells;
+      std::vector<ActiveCells<dim>> cells(grid.fields().size());
       for (const auto &[body, key] : owned_active_cells(stencils, grid))
         {
           const Material<dim> &material = *material_of_body[body];
-          cells[key].include(material.density(), material.p_wave_modulus());
+          cells[grid.fields().of_body(body)][key].include(
+            material.density(), material.p_wave_modulus());
         }
       return cells;
     }
@@ -125,8 +111,23 @@ namespace emmy
     const BackgroundGrid<dim>     &grid,
     const BoundaryConditions<dim> &boundary_conditions) const
   {
-    ActiveCells<dim> cells = owned_cells(stencils, grid, material_of_body);
-    const ActiveCells<dim> owned = cells;
+    const std::vector<ActiveCells<dim>> of_fields =
+      owned_cells(stencils, grid, material_of_body);
+    std::vector<GhostFace<dim>> faces;
+    for (unsigned int field = 0; field < of_fields.size(); ++field)
+      add_faces(of_fields[field], field, grid, boundary_conditions, faces);
+    return faces;
+  }
+
+  template <int dim>
+  void
+  GhostFaces<dim>::add_faces(const ActiveCells<dim>        &owned,
+                             const unsigned int             field,
+                             const BackgroundGrid<dim>     &grid,
+                             const BoundaryConditions<dim> &boundary_conditions,
+                             std::vector<GhostFace<dim>>   &faces) const
+  {
+    ActiveCells<dim> cells = owned;
     // neighbours must be known to find the boundary, and then theirs
     exchange<dim>(grid, cells);
     for (const auto &[key, data] : owned)
@@ -137,7 +138,6 @@ namespace emmy
       }
     exchange<dim>(grid, cells);
 
-    std::vector<GhostFace<dim>> faces;
     for (const auto &[key, old_data] : owned)
       for (unsigned int d = 0; d < dim; ++d)
         {
@@ -145,8 +145,8 @@ namespace emmy
           const auto upper_key = grid.neighbour(key, 2 * d + 1);
           if (!upper_key)
             continue;
-          const auto      upper = cells.find(*upper_key);
-          const CellData &lower = cells[key];
+          const auto       upper = cells.find(*upper_key);
+          const GhostCell &lower = cells[key];
           if (upper == cells.end() ||
               !(lower.is_boundary || upper->second.is_boundary))
             continue;
@@ -157,8 +157,8 @@ namespace emmy
             mass_penalty * std::max(lower.density, upper->second.density);
           face.stiffness = stiffness_penalty / (h * h) *
                            std::max(lower.modulus, upper->second.modulus);
-          const auto lower_ids = grid.node_ids(grid.cell_at(key)),
-                     upper_ids = grid.node_ids(grid.cell_at(*upper_key));
+          const auto lower_ids = grid.node_ids(grid.cell_at(key), field),
+                     upper_ids = grid.node_ids(grid.cell_at(*upper_key), field);
           for (unsigned int v = 0, low = 0, high = 0; v < lower_ids.size(); ++v)
             if ((v >> d) % 2 == 0)
               face.node_ids[low++] = lower_ids[v];
@@ -171,7 +171,6 @@ namespace emmy
               }
           faces.push_back(face);
         }
-    return faces;
   }
 
   template dealii::FullMatrix<double>

@@ -1,3 +1,4 @@
+#include <emmy/effects/contact_parameters.h>
 #include <emmy/effects/ghost_stabilisation.h>
 #include <emmy/effects/gravity.h>
 #include <emmy/effects/manufactured_solution.h>
@@ -48,6 +49,12 @@ namespace emmy
                        section);
                    },
                    ViscousSidesParameters<dim>::card()});
+      effects.add({"contact",
+                   "groups of bodies that push one another, and rub",
+                   [](const std::string &section) {
+                     return std::make_unique<ContactParameters<dim>>(section);
+                   },
+                   ContactParameters<dim>::card()});
       effects.add({"tools",
                    "rigid bodies that move as they are told, push, and rub",
                    [](const std::string &section) {

@@ -88,14 +88,17 @@ namespace emmy
   find_roots(const Stencils<dim>       &stencils,
              const NodeValues          &is_fed,
              const BackgroundGrid<dim> &grid,
+             const unsigned int         field,
              const unsigned int         n_layers)
   {
     Roots<dim>                roots;
     std::vector<CellKey<dim>> without;
-    for (const auto &cell : stencils.active_cells)
+    for (const auto &active : stencils.active_cells)
       {
-        const auto ids   = grid.node_ids(cell);
-        const auto place = grid.key_of(cell);
+        if (active.field != field)
+          continue;
+        const auto ids   = grid.node_ids(active.cell, field);
+        const auto place = grid.key_of(active.cell);
         if (std::all_of(ids.begin(), ids.end(), [&](const auto id) {
               return is_fed(id) > 0.;
             }))
@@ -204,11 +207,13 @@ namespace emmy
   find_roots<2>(const Stencils<2> &,
                 const NodeValues &,
                 const BackgroundGrid<2> &,
+                const unsigned int,
                 const unsigned int);
   template Roots<3>
   find_roots<3>(const Stencils<3> &,
                 const NodeValues &,
                 const BackgroundGrid<3> &,
+                const unsigned int,
                 const unsigned int);
   template std::vector<Root<2>>
   nearest_roots<2>(const Roots<2> &,

@@ -99,10 +99,11 @@ namespace emmy
   StarvedNodes<dim>::memory() const
   {
     std::vector<double> result{double(most_kept), largest_weight};
-    for (const auto &[place, is_fed] : classes_before.active)
+    for (const auto &[node, is_fed] : classes_before.active)
       {
+        const auto &[place, field] = node;
         result.insert(result.end(), place.begin(), place.end());
-        result.push_back(is_fed);
+        result.push_back(2. * field + is_fed);
       }
     return result;
   }
@@ -118,10 +119,13 @@ namespace emmy
     for (std::size_t part = 1; part < parts.size(); ++part)
       for (std::size_t i = 2; i < parts[part].size(); i += dim + 1)
         {
-          const auto   from = parts[part].begin() + i;
+          const auto   from           = parts[part].begin() + i;
+          const auto   class_in_field = static_cast<unsigned int>(from[dim]);
           CellKey<dim> place;
           std::copy_n(from, dim, place.begin());
-          classes_before.active.emplace_back(place, from[dim] != 0.);
+          classes_before.active.emplace_back(NodePlace<dim>{place,
+                                                            class_in_field / 2},
+                                             class_in_field % 2 != 0);
         }
     std::sort(classes_before.active.begin(), classes_before.active.end());
   }

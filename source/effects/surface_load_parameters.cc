@@ -8,24 +8,6 @@
 
 namespace emmy
 {
-  namespace
-  {
-    /** As domain updates and tools ask for it. */
-    template <int dim>
-    Field
-    deformation_gradient()
-    {
-      std::vector<double> unit(dim * dim, 0.);
-      for (unsigned int d = 0; d < dim; ++d)
-        unit[dim * d + d] = 1.;
-      return {"deformation_gradient",
-              Field::Kind::tensor,
-              "1",
-              "deformation gradient F since the start of the run",
-              unit};
-    }
-  } // namespace
-
   template <int dim>
   SurfaceLoadParameters<dim>::SurfaceLoadParameters(const std::string &section,
                                                     const std::string &name)
@@ -127,7 +109,7 @@ namespace emmy
     for (unsigned int d = 0; d < traction.size(); ++d)
       choice->traction[d] = traction[d];
     const LoadedFaces<dim> faces({layout["body"],
-                                  layout.add(deformation_gradient<dim>()),
+                                  layout.add(deformation_gradient_field<dim>()),
                                   layout.add(field())},
                                  choice,
                                  effects.half_length_of_body);
@@ -200,7 +182,7 @@ namespace emmy
   {
     EffectCard card;
     card.enters         = "loads of the step; pressures: Newton";
-    card.fields         = {deformation_gradient<dim>()};
+    card.fields         = {deformation_gradient_field<dim>()};
     card.ledger_columns = {"load_work", "pressure_NAME_work"};
     return card;
   }

@@ -4,29 +4,11 @@
 #include <emmy/effects/tool_parameters.h>
 
 #include <algorithm>
-#include <cmath>
+#include <cctype>
 
 namespace emmy
 {
   using dealii::Patterns::Double;
-
-  namespace
-  {
-    /** F of the particles, as domain updates ask for it. */
-    template <int dim>
-    Field
-    deformation_gradient()
-    {
-      std::vector<double> unit(dim * dim, 0.);
-      for (unsigned int d = 0; d < dim; ++d)
-        unit[dim * d + d] = 1.;
-      return {"deformation_gradient",
-              Field::Kind::tensor,
-              "1",
-              "deformation gradient F since the start of the run",
-              unit};
-    }
-  } // namespace
 
   template <int dim>
   ToolParameters<dim>::ToolParameters(const std::string &section,
@@ -228,25 +210,12 @@ namespace emmy
                              "at least one tool is required, with a section "
                              "of its name."));
     const typename Tools<dim>::Fields fields{
-      layout["body"], layout.add(deformation_gradient<dim>())};
-    std::vector<ParticleCorners<dim>> corners;
-    for (unsigned int b = 0; b < effects.half_length_of_body.size(); ++b)
-      {
-        const auto &l      = effects.half_length_of_body[b];
-        double      volume = 1.;
-        for (unsigned int d = 0; d < dim; ++d)
-          volume *= 2. * l[d];
-        const double s = std::pow(volume, 1. / dim);
-        corners.push_back({l,
-                           s,
-                           effects.material_of_body[b]->p_wave_modulus() *
-                             (dim == 3 ? s : 1.) / (1u << (dim - 1))});
-      }
+      layout["body"], layout.add(deformation_gradient_field<dim>())};
     std::vector<Tool<dim>> made;
     for (const auto &tool : tools)
       made.push_back(tool->make(layout));
-    effects.terms.push_back(
-      std::make_unique<Tools<dim>>(std::move(made), fields, corners));
+    effects.terms.push_back(std::make_unique<Tools<dim>>(
+      std::move(made), fields, corners_of_bodies(effects)));
   }
 
   template <int dim>
@@ -256,7 +225,7 @@ namespace emmy
     EffectCard card;
     card.enters         = "Newton: forces on corners of particles that touch "
                           "a tool";
-    card.fields         = {deformation_gradient<dim>()};
+    card.fields         = {deformation_gradient_field<dim>()};
     card.ledger_columns = {"contact_energy", "tool_NAME_work"};
     for (const std::string &column : Tools<dim>::columns_of("NAME", false))
       card.ledger_columns.push_back(column);

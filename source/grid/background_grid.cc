@@ -62,7 +62,7 @@ namespace emmy
                  across   = std::ldexp(1., part.level());
     // as if blocks shared no nodes
     refuse_cells(n_blocks * std::pow(across, dim),
-                 n_blocks * std::pow(across + 1., dim));
+                 n_blocks * std::pow(across + 1., dim) * fields().size());
     std::vector<dealii::Point<dim>>      vertices;
     std::map<CellKey<dim>, unsigned int> vertex_at;
     std::vector<dealii::CellData<dim>>   blocks(part.blocks().size());
@@ -166,7 +166,9 @@ namespace emmy
     const dealii::IndexSet known =
       dealii::DoFTools::extract_locally_relevant_dofs(numbering);
     node_partition = std::make_shared<dealii::Utilities::MPI::Partitioner>(
-      numbering.locally_owned_dofs(), known, communicator());
+      fields().ids(numbering.locally_owned_dofs()),
+      fields().ids(known),
+      communicator());
 
     node_keys.resize(known.n_elements());
     for (const auto &cell : numbering.active_cell_iterators())
@@ -176,8 +178,9 @@ namespace emmy
             CellKey<dim> place = key_of(cell);
             for (unsigned int d = 0; d < dim; ++d)
               place[d] += (v >> d) & 1;
-            node_keys[node_partition->global_to_local(
-              cell->vertex_dof_index(v, 0))] = place;
+            // local indices count fields as ids do
+            node_keys[fields().node(node_partition->global_to_local(
+              fields().id(cell->vertex_dof_index(v, 0), 0)))] = place;
           }
   }
 
@@ -317,13 +320,14 @@ namespace emmy
   template <int dim>
   std::array<dealii::types::global_dof_index,
              BackgroundGrid<dim>::nodes_per_cell>
-  BackgroundGrid<dim>::node_ids(const Cell &cell) const
+  BackgroundGrid<dim>::node_ids(const Cell        &cell,
+                                const unsigned int field) const
   {
     const typename dealii::DoFHandler<dim>::active_cell_iterator dof_cell(
       &cells, cell->level(), cell->index(), &numbering);
     std::array<dealii::types::global_dof_index, nodes_per_cell> ids;
     for (unsigned int v = 0; v < nodes_per_cell; ++v)
-      ids[v] = dof_cell->vertex_dof_index(v, 0);
+      ids[v] = fields().id(dof_cell->vertex_dof_index(v, 0), field);
     return ids;
   }
 
@@ -338,7 +342,7 @@ namespace emmy
   const CellKey<dim> &
   BackgroundGrid<dim>::node_key(const dealii::types::global_dof_index id) const
   {
-    return node_keys[node_partition->global_to_local(id)];
+    return node_keys[fields().node(node_partition->global_to_local(id))];
   }
 
   template <int dim>

@@ -196,18 +196,20 @@ namespace emmy
 
   template <int dim>
   bool
-  GimpShapeFunctions<dim>::add_nodes(const Entry               &entry,
-                                     const BackgroundGrid<dim> &grid,
-                                     Group                     &group,
-                                     Stencils<dim>             &stencils,
-                                     std::vector<Cell> &overlapped) const
+  GimpShapeFunctions<dim>::add_nodes(
+    const Entry                  &entry,
+    const BackgroundGrid<dim>    &grid,
+    Group                        &group,
+    Stencils<dim>                &stencils,
+    std::vector<ActiveCell<dim>> &overlapped) const
   {
-    const auto n_nodes = nodes_of<dim>(entry.first, entry.last);
-    group.n_along      = n_nodes;
-    group.origin       = grid.corner(entry.first);
-    group.left_out     = entry.left_out;
-    group.first_node   = stencils.node_ids.size();
-    bool is_known      = true;
+    const auto n_nodes          = nodes_of<dim>(entry.first, entry.last);
+    group.n_along               = n_nodes;
+    group.origin                = grid.corner(entry.first);
+    group.left_out              = entry.left_out;
+    group.first_node            = stencils.node_ids.size();
+    bool               is_known = true;
+    const unsigned int field    = grid.fields().of_body(entry.body);
     for_each_node<dim>(group, [&](const unsigned int, const auto &index) {
       // a cell that has the node, and which of its vertices that is
       CellKey<dim> lattice;
@@ -223,11 +225,12 @@ namespace emmy
           is_known = false;
           return;
         }
-      stencils.node_ids.push_back(grid.node_ids(cell)[vertex]);
+      stencils.node_ids.push_back(grid.node_ids(cell, field)[vertex]);
     });
     group.n_nodes = stencils.node_ids.size() - group.first_node;
     for_each_cell_of<dim>(group, [&](const auto &index) {
-      overlapped.push_back(grid.cell_at(further<dim>(entry.first, index)));
+      overlapped.push_back(
+        {grid.cell_at(further<dim>(entry.first, index)), field});
     });
     return is_known;
   }
@@ -368,9 +371,9 @@ namespace emmy
   GimpShapeFunctions<dim>::evaluate(const Places<dim>         &places,
                                     const BackgroundGrid<dim> &grid) const
   {
-    const std::vector<Entry> entries = sorted_entries(places, grid);
-    Stencils<dim>            stencils;
-    std::vector<Cell>        overlapped;
+    const std::vector<Entry>     entries = sorted_entries(places, grid);
+    Stencils<dim>                stencils;
+    std::vector<ActiveCell<dim>> overlapped;
     stencils.particles.reserve(entries.size());
     stencils.order.reserve(entries.size());
     for (const Entry &entry : entries)

@@ -127,8 +127,8 @@ namespace emmy
     stencils.values.resize(n * n_nodes);
     stencils.gradients.resize(n * n_nodes * dim);
 
-    std::optional<std::size_t>                      unknown;
-    std::vector<typename BackgroundGrid<dim>::Cell> found;
+    std::optional<std::size_t>   unknown;
+    std::vector<ActiveCell<dim>> found;
     for (std::size_t first = 0, last = 0; first < n; first = last)
       {
         const auto &place = places.cells[stencils.order[first]];
@@ -142,9 +142,11 @@ namespace emmy
             unknown = stencils.order[first];
             break;
           }
-        if (found.empty() || found.back() != cell)
-          found.push_back(cell);
-        const auto                    ids = grid.node_ids(cell);
+        const unsigned int    field = grid.fields().of_body(body);
+        const ActiveCell<dim> active{cell, field};
+        if (found.empty() || !(found.back() == active))
+          found.push_back(active);
+        const auto                    ids = grid.node_ids(cell, field);
         typename Stencils<dim>::Group group;
         group.first_point = first;
         group.n_points    = last - first;
@@ -244,18 +246,18 @@ namespace emmy
   }
 
   template <int dim>
-  std::vector<typename BackgroundGrid<dim>::Cell>
-  owned_among_active(
-    const std::vector<typename BackgroundGrid<dim>::Cell> &found,
-    const BackgroundGrid<dim>                             &grid)
+  std::vector<ActiveCell<dim>>
+  owned_among_active(const std::vector<ActiveCell<dim>> &found,
+                     const BackgroundGrid<dim>          &grid)
   {
-    std::vector<CellKey<dim>>                         places;
-    std::map<unsigned int, std::vector<CellKey<dim>>> of_others;
-    for (const auto &cell : found)
+    using Place = std::pair<CellKey<dim>, unsigned int>;
+    std::vector<Place>                         places;
+    std::map<unsigned int, std::vector<Place>> of_others;
+    for (const auto &[cell, field] : found)
       if (cell->is_locally_owned())
-        places.push_back(grid.key_of(cell));
+        places.emplace_back(grid.key_of(cell), field);
       else
-        of_others[cell->subdomain_id()].push_back(grid.key_of(cell));
+        of_others[cell->subdomain_id()].emplace_back(grid.key_of(cell), field);
     if (dealii::Utilities::MPI::n_mpi_processes(grid.communicator()) > 1)
       for (const auto &[sender, lattices] :
            dealii::Utilities::MPI::some_to_some(grid.communicator(), of_others))
@@ -265,9 +267,9 @@ namespace emmy
         }
     std::sort(places.begin(), places.end());
     places.erase(std::unique(places.begin(), places.end()), places.end());
-    std::vector<typename BackgroundGrid<dim>::Cell> owned;
-    for (const CellKey<dim> &place : places)
-      owned.push_back(grid.cell_at(place));
+    std::vector<ActiveCell<dim>> owned;
+    for (const auto &[place, field] : places)
+      owned.push_back({grid.cell_at(place), field});
     return owned;
   }
 
@@ -289,10 +291,10 @@ namespace emmy
   stop_at_unknown_cell<3>(const Places<3> &,
                           const std::optional<std::size_t>,
                           const BackgroundGrid<3> &);
-  template std::vector<BackgroundGrid<2>::Cell>
-  owned_among_active<2>(const std::vector<BackgroundGrid<2>::Cell> &,
+  template std::vector<ActiveCell<2>>
+  owned_among_active<2>(const std::vector<ActiveCell<2>> &,
                         const BackgroundGrid<2> &);
-  template std::vector<BackgroundGrid<3>::Cell>
-  owned_among_active<3>(const std::vector<BackgroundGrid<3>::Cell> &,
+  template std::vector<ActiveCell<3>>
+  owned_among_active<3>(const std::vector<ActiveCell<3>> &,
                         const BackgroundGrid<3> &);
 } // namespace emmy

@@ -215,6 +215,14 @@ namespace emmy
                           "1",
                           "how far the vector that the scaled " + name +
                             " matrix sees least goes here; 1: the weakest"});
+    const bool has_fields = scene.grid.fields().size() > 1;
+    if (has_fields)
+      fields.push_back({"field",
+                        1,
+                        "1",
+                        "velocity field; where several have particles, cells "
+                        "lie on one another",
+                        /*is_integer=*/true});
     DataFile<dim, dim> file(fields);
     file.reserve(active.cells().size());
     std::vector<double> values;
@@ -236,6 +244,8 @@ namespace emmy
               values.insert(values.end(),
                             {diagnosis->mass.weakness[node],
                              diagnosis->jacobian.weakness[node]});
+            if (has_fields)
+              values.push_back(active.cells()[cell].field);
           }
         file.add_cell(vertices,
                       dealii::ArrayView<const double>(values.data(),

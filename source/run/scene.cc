@@ -158,6 +158,7 @@ namespace emmy
     , parameters(parameters)
   {
     const auto scope = phases.scope("setup");
+    grid.set_fields(balance.velocity_fields());
     fill_with_particles();
     for (const std::string &note : balance.mark(grid, particles))
       notes.push_back(note);

@@ -286,8 +286,11 @@ namespace emmy
         Effects<dim> effects;
         effects.material_of_body = scene.material_of_body;
         for (const Body<dim> &body : scene.bodies)
-          effects.half_length_of_body.push_back(
-            initial_half_length(body, scene.grid));
+          {
+            effects.half_length_of_body.push_back(
+              initial_half_length(body, scene.grid));
+            effects.body_names.push_back(body.name);
+          }
         FieldLayout layout = scene.layout;
         if (follows)
           effects.terms.push_back(

@@ -239,7 +239,10 @@ namespace emmy
     Effects<dim> effects;
     effects.material_of_body = material_of_body;
     for (const Body<dim> &body : bodies)
-      effects.half_length_of_body.push_back(initial_half_length(body, grid));
+      {
+        effects.half_length_of_body.push_back(initial_half_length(body, grid));
+        effects.body_names.push_back(body.name);
+      }
     if (!is_explicit)
       add_inertia_and_stress(parameters, bodies, layout, effects);
     add_walls(parameters, boundary_conditions, grid, layout, effects);

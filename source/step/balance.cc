@@ -102,6 +102,19 @@ namespace emmy
   }
 
   template <int dim>
+  std::string
+  Balance<dim>::missing(const StepData<dim> &step,
+                        const Vector        &displacement) const
+  {
+    std::string result;
+    for_each(step.phases, &Effect<dim>::couples, [&](Effect<dim> &effect) {
+      if (result.empty())
+        result = effect.missing(step, displacement);
+    });
+    return result;
+  }
+
+  template <int dim>
   void
   Balance<dim>::check_step(const double       time,
                            const double       time_step,
@@ -333,7 +346,7 @@ namespace emmy
       for (const EnergyEntry &given : term->energies_at_start(points, time))
         for (EnergyEntry &entry : entries)
           if (entry.name == given.name)
-            entry.change =
+            entry.change +=
               dealii::Utilities::MPI::sum(given.change, communicator);
   }
 
@@ -344,7 +357,7 @@ namespace emmy
     std::vector<EnergyEntry> entries;
     for (const auto &term : effects.terms)
       for (const auto &entry : term->energy_entries())
-        entries.push_back(entry);
+        add_entry(entry, entries);
     if (has_loads())
       entries.push_back({"load_work", EnergyEntry::Kind::work, 0.});
     return entries;

@@ -101,7 +101,7 @@ namespace emmy
           const auto &nodes = active.cell_nodes(cell);
           if (std::find(nodes.begin(), nodes.end(), node) == nodes.end())
             continue;
-          const auto center = active.cells()[cell]->center();
+          const auto center = active.cells()[cell].cell->center();
           cells.emplace_back();
           for (unsigned int d = 0; d < dim; ++d)
             cells.back()[d] = center[d];

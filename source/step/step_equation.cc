@@ -207,7 +207,7 @@ namespace emmy
     balance.for_each(
       step.phases, &Effect<dim>::is_force, [&](Effect<dim> &effect) {
         for (const auto &entry : effect.energies(step, solution, trial_states))
-          entries.push_back(entry);
+          add_entry(entry, entries);
       });
     std::vector<double> changes;
     for (const EnergyEntry &entry : entries)

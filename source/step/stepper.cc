@@ -62,10 +62,7 @@ namespace emmy
         setting.method.balance.check_step(state.time,
                                           solution.time_step,
                                           where());
-        if (setting.method.middle)
-          try_in_middle(solution);
-        else
-          try_from_start(solution);
+        try_size(solution);
         if (solution.newton.is_converged)
           move(solution);
         if (solution.newton.is_converged)
@@ -99,6 +96,39 @@ namespace emmy
                     " of the forces"
                 : std::string()));
     return solution;
+  }
+
+  template <int dim>
+  void
+  Stepper<dim>::try_size(Solution &solution)
+  {
+    constexpr unsigned int most = 10;
+    for (unsigned int tries = 1;; ++tries)
+      {
+        if (setting.method.middle)
+          try_in_middle(solution);
+        else
+          try_from_start(solution);
+        if (!solution.newton.is_converged)
+          return;
+        const std::string missing = setting.method.balance.missing(
+          data_of(solution.ground(), *start, solution.time_step),
+          solution.displacement);
+        if (missing.empty())
+          return;
+        if (tries == most)
+          {
+            solution.newton.is_converged = false;
+            solution.newton.problem      = missing;
+            return;
+          }
+        solution.findings.push_back(where() + ": " + missing +
+                                    "; it is solved again");
+        if (setting.method.middle)
+          continue; // begins anew
+        renew_grid(*solution.at_start);
+        velocity_from_momentum(*solution.at_start, particles_to_grid.last());
+      }
   }
 
   template <int dim>
@@ -413,28 +443,6 @@ namespace emmy
 
   template <int dim>
   void
-  Stepper<dim>::add_measures(const PointArrays<dim>   &points,
-                             const double              time,
-                             std::vector<StepMeasure> &measures)
-  {
-    if (setting.method.diagnosis.small_cuts)
-      {
-        measures.push_back(
-          {"mass_condition", findings ? findings->mass.condition : 0.});
-        measures.push_back(
-          {"jacobian_condition", findings ? findings->jacobian.condition : 0.});
-      }
-    Base::add_measures(points, time, measures);
-    if (!setting.method.middle)
-      return;
-    for (unsigned int d = dim == 2 ? 2 : 0; d < 3; ++d)
-      measures.push_back({std::string("angular_momentum_left_") + "xyz"[d],
-                          angular_momentum_left[d]});
-    measures.push_back({"place_defect", place_defect});
-  }
-
-  template <int dim>
-  void
   Stepper<dim>::tell_of_held_places(Solution &solution)
   {
     const std::string text =
@@ -462,30 +470,6 @@ namespace emmy
     state.told.struggled = true;
     solution.notes.push_back("  why, and why later ones: run.log. " +
                              usual_remedy(setting));
-  }
-
-  template <int dim>
-  void
-  Stepper<dim>::examine(Solution &solution)
-  {
-    const auto &[stencils, points] = solution.ground();
-    const auto diagnosis_of        = [&](const Matrix &matrix) {
-      return diagnose(matrix, stencils, points, setting.layout, *start->active);
-    };
-    findings = std::make_unique<StepDiagnosis<dim>>();
-    // Newton's last evaluation may have made no matrix
-    solution.equation().evaluate(solution.displacement, /*with_jacobian=*/true);
-    if (setting.method.middle)
-      solution.equation().set_velocity_at_start();
-    *findings = {diagnosis_of(examined_mass(*start)),
-                 diagnosis_of(undamped_jacobian(solution.equation(),
-                                                *start,
-                                                solution.time_step))};
-    for (const auto &[name, diagnosis] :
-         {std::make_pair("mass matrix", &findings->mass),
-          std::make_pair("Jacobian", &findings->jacobian)})
-      if (diagnosis->is_above(setting.method.diagnosis.report_above))
-        solution.findings.push_back(where() + ": " + diagnosis->text(name));
   }
 
   template <int dim>

@@ -62,7 +62,8 @@ namespace emmy
           owned_ids.push_back(grid.nodes()->local_to_global(i));
       // the order must not depend on which part of the grid has cells
       std::sort(owned_ids.begin(), owned_ids.end(), [&](auto a, auto b) {
-        return grid.node_key(a) < grid.node_key(b);
+        const CellKey<dim> &key_a = grid.node_key(a), &key_b = grid.node_key(b);
+        return key_a != key_b ? key_a < key_b : a < b; // by field
       });
       return owned_ids;
     }
@@ -100,8 +101,8 @@ namespace emmy
       for (const global_dof_index id : couplings.node_ids)
         add_ghost(id);
       // particles of another rank may reach into cells of this one
-      for (const auto &cell : stencils.active_cells)
-        for (const global_dof_index id : grid.node_ids(cell))
+      for (const auto &[cell, field] : stencils.active_cells)
+        for (const global_dof_index id : grid.node_ids(cell, field))
           add_ghost(id);
       for (const TiedNode<dim> &tied : couplings.tied_nodes)
         {
@@ -228,9 +229,9 @@ namespace emmy
       group_nodes.push_back(local_index(id));
     for (const global_dof_index id : couplings.node_ids)
       local_coupled_nodes.push_back(local_index(id));
-    for (const auto &cell : active_cells)
+    for (const auto &[cell, field] : active_cells)
       {
-        const auto cell_ids = grid.node_ids(cell);
+        const auto cell_ids = grid.node_ids(cell, field);
         nodes_of_cell.emplace_back();
         for (unsigned int v = 0; v < cell_ids.size(); ++v)
           nodes_of_cell.back()[v] = local_index(cell_ids[v]);

@@ -4,8 +4,7 @@
 // spins and stretches; pressures on all sides one by one do the same where the
 // body deforms alike.
 
-#include "../check.h"
-#include "../scene.h"
+#include "tangent.h"
 
 using namespace emmy;
 
@@ -51,6 +50,17 @@ namespace
     for (const std::string &set : sets)
       file.set(set);
     return file;
+  }
+
+  /** Under pressures, one all around and one on a side. */
+  std::string
+  pressed(const unsigned int dim, const std::string &geometry)
+  {
+    return block(dim) + "subsection Method\nset Geometry = " + geometry +
+           "\nend\nsubsection Effects\nsubsection Surface loads\n"
+           "set Names = around, beside\nsubsection around\nset Pressure = 5\nend\n"
+           "subsection beside\nset Pressure = 8\nset Side = x-max\nend\n"
+           "end\nend\n";
   }
 
   /** sum V0 det F. */
@@ -206,6 +216,10 @@ main(int argc, char *argv[])
   check_traction<2>("linear, start", linear);
   check_traction<3>("in space", linear);
   check_static();
+  test::check_tangent_of_start<2>(pressed(2, "start"));
+  test::check_tangent_of_start<3>(pressed(3, "start"));
+  test::check_tangent_of_middle<2>(pressed(2, "middle"));
+  test::check_tangent_of_middle<3>(pressed(3, "middle"));
   const auto refused = [](const std::vector<std::string> &sets,
                           const std::vector<std::string> &words) {
     test::check_throws_with(

@@ -2,12 +2,7 @@
 // keeps all its balances; the equation of a step has the derivative that it
 // says, whether places stay or follow; what cannot be is refused.
 
-#include <emmy/step/middle_equation.h>
-
-#include <random>
-
-#include "../check.h"
-#include "../scene.h"
+#include "tangent.h"
 
 using namespace emmy;
 using test::at_most;
@@ -15,9 +10,6 @@ using test::check;
 
 namespace
 {
-  std::mt19937                           random_numbers(7);
-  std::uniform_real_distribution<double> uniform(-1., 1.);
-
   /** A soft block in a corner of tools, some of which turn. */
   template <int dim>
   std::string
@@ -131,142 +123,6 @@ namespace
             geometry == "start" ? 1e-9 : 1e-8);
   }
 
-  /** J du of an equation that is solved, and how r changes along du. */
-  template <int dim>
-  void
-  check_tangent(NonlinearEquation    &equation,
-                const GridStart<dim> &start,
-                Vector               &solution,
-                const std::string    &what)
-  {
-    equation.evaluate(solution, true);
-    Vector direction = solution;
-    for (auto &entry : direction)
-      entry = uniform(random_numbers);
-    equation.expand(direction);
-    Vector expected = solution;
-    equation.system().jacobian.vmult(expected, direction);
-    start.active->constraints().set_zero(expected); // followers have none
-    double error = 0.;
-    for (const double h : {1e-6, 1e-7})
-      {
-        Vector step = direction;
-        step *= h;
-        Vector change = solution;
-        for (const int sign : {1, -1})
-          {
-            equation.take(solution, step);
-            check(equation.evaluate(solution, false), what + ": has meaning");
-            if (sign == 1)
-              change = equation.system().residual;
-            else
-              change -= equation.system().residual;
-            equation.take_back(solution, step);
-            equation.evaluate(solution, true);
-            step *= -1.;
-          }
-        change *= 1. / (2. * h);
-        change -= expected;
-        error = change.l2_norm() / expected.l2_norm();
-      }
-    at_most(what + ": derivative of the whole step", error, 1e-8);
-  }
-
-  /** The same under pressures, one all around and one on a side. */
-  template <int dim>
-  SceneParameters<dim>
-  under_pressure(const std::string &geometry)
-  {
-    ParameterFile file = ParameterFile::from_text(
-      cornered<dim>(geometry) +
-        "subsection Effects\nsubsection Surface loads\n"
-        "set Names = around, beside\nsubsection around\nset Pressure = 5\nend\n"
-        "subsection beside\nset Pressure = 8\nset Side = x-max\nend\n"
-        "end\nend\n",
-      "test");
-    file.set("Effects/Names=tools, surface loads");
-    return SceneParameters<dim>(file);
-  }
-
-  template <int dim>
-  void
-  check_tangent_of_start()
-  {
-    const auto parameters = under_pressure<dim>("start");
-    Scene<dim> scene(parameters, MPI_COMM_WORLD);
-    scene.initial_report();
-    scene.advance();
-    scene.advance();
-    const auto stencils =
-      scene.shape_functions->evaluate(scene.particles, scene.grid);
-    const auto           points = gather(stencils, scene.layout);
-    ParticlesToGrid<dim> to_grid(scene.grid,
-                                 scene.boundary_conditions,
-                                 scene.layout,
-                                 scene.mapping);
-    scene.balance.classify(stencils, points, scene.grid, nullptr);
-    auto &start         = to_grid(stencils,
-                          points,
-                          scene.balance.couplings(stencils,
-                                                  scene.grid,
-                                                  scene.boundary_conditions,
-                                                  nullptr));
-    start.velocity      = start.mean_velocity;
-    const auto equation = scene.balance.over(
-      {stencils, points, start, scene.state.time, 0.04, nullptr, nullptr});
-    Vector u = start.mean_velocity;
-    u *= 0.04;
-    start.active->constraints().expand(u);
-    check_tangent<dim>(*equation, start, u, std::to_string(dim) + "D, start");
-  }
-
-  template <int dim>
-  void
-  check_tangent_of_middle()
-  {
-    const auto parameters = under_pressure<dim>("middle");
-    Scene<dim> scene(parameters, MPI_COMM_WORLD);
-    scene.initial_report();
-    scene.advance();
-    scene.advance();
-    Places<dim> places =
-      scene.shape_functions->places(scene.particles, scene.grid);
-    PointArrays<dim> states = gather(places, scene.layout);
-    places                  = scene.middle->first(
-      std::move(places), states, 0.04, scene.domain_update.get(), scene.grid);
-    ParticlesToGrid<dim> to_grid(scene.grid,
-                                 scene.boundary_conditions,
-                                 scene.layout,
-                                 scene.mapping);
-    MiddleEquation<dim>  equation({{*scene.shape_functions,
-                                    scene.domain_update.get(),
-                                    scene.grid,
-                                    scene.layout,
-                                    scene.mapping},
-                                   scene.balance,
-                                   scene.boundary_conditions,
-                                   to_grid,
-                                   std::move(states),
-                                   scene.state.time,
-                                   0.04,
-                                   1e-8,
-                                   &scene.phases},
-                                 std::move(places));
-    Vector               u = equation.first_displacement();
-    // places settle where u is; they may move 12 times in all
-    for (unsigned int i = 0; i < 5; ++i)
-      {
-        equation.evaluate(u, true);
-        Vector none = u;
-        none        = 0.;
-        equation.take(u, none);
-      }
-    check_tangent<dim>(equation,
-                       equation.grid_start(),
-                       u,
-                       std::to_string(dim) + "D, middle");
-  }
-
   void
   check_refusals()
   {
@@ -346,10 +202,10 @@ main(int argc, char *argv[])
       check_run<2>(geometry);
       check_run<3>(geometry);
     }
-  check_tangent_of_start<2>();
-  check_tangent_of_start<3>();
-  check_tangent_of_middle<2>();
-  check_tangent_of_middle<3>();
+  test::check_tangent_of_start<2>(cornered<2>("start"));
+  test::check_tangent_of_start<3>(cornered<3>("start"));
+  test::check_tangent_of_middle<2>(cornered<2>("middle"));
+  test::check_tangent_of_middle<3>(cornered<3>("middle"));
   check_refusals();
   return test::report();
 }

@@ -106,8 +106,8 @@ namespace
       test::check_close((position - x).norm(), 0., 1e-14, name + "sum S x");
       test::check_close(slopes.norm(), 0., 1e-13, name + "sum grad S");
       test::check_close(unit.norm(), 0., 1e-13, name + "sum x (x) grad S");
-      for (const auto &cell : stencils.active_cells)
-        for (const auto id : grid.node_ids(cell))
+      for (const auto &active : stencils.active_cells)
+        for (const auto id : grid.node_ids(active.cell))
           test::check(std::find(stencils.node_ids.begin(),
                                 stencils.node_ids.end(),
                                 id) != stencils.node_ids.end(),

@@ -10,6 +10,10 @@
 
 namespace emmy
 {
+  /** A node, whatever its number: its key and its velocity field. */
+  template <int dim>
+  using NodePlace = std::pair<CellKey<dim>, unsigned int>;
+
   /**
    * Which nodes are fed, and which are starved and follow others. Made once in
    * a step, from the particles as the step finds them, and held for as long as
@@ -27,7 +31,7 @@ namespace emmy
     /** The nodes that were active and this rank owns, and whether they are
      * fed; sorted.
      */
-    std::vector<std::pair<CellKey<dim>, bool>> active;
+    std::vector<std::pair<NodePlace<dim>, bool>> active;
   };
 
   /**
@@ -113,7 +117,7 @@ namespace emmy
    * or a thin strip, theta is halved until a cell reaches it; the nodes of that
    * cell count as fed. So each starved node follows a root nearby, or is of the
    * best cell around; a strip does not become the rigid continuation of a cell
-   * far away.
+   * far away. All this is done in each velocity field for itself.
    *
    * Only masses, places and densities decide: neither the direction of the
    * lattice nor the bodies that the mass is of, their order or their names,

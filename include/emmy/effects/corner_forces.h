@@ -55,9 +55,15 @@ namespace emmy
     }
   };
 
-  /** Components of (S u, L), or of (f, f (x) a): [(dim + 1) i + l]. */
+  /** F of the particles, as domain updates ask for it. */
   template <int dim>
-  using PointMotion = std::array<double, dim *(dim + 1)>;
+  Field
+  deformation_gradient_field();
+
+  /** Those of the scene's bodies. */
+  template <int dim>
+  std::vector<ParticleCorners<dim>>
+  corners_of_bodies(const Effects<dim> &effects);
 
   /** A tensor field of a point. */
   template <int dim>
@@ -78,6 +84,30 @@ namespace emmy
                 const std::vector<double>           &local_displacement,
                 const ParticleCorners<dim>          &corners,
                 const unsigned int                   deformation_gradient);
+
+  /** Components of (S u, L), or of (f, f (x) a): [(dim + 1) i + l]. */
+  template <int dim>
+  using PointMotion = std::array<double, dim *(dim + 1)>;
+
+  /**
+   * How the motion z = (S u, L) of a point changes with that of its nodes,
+   * where its place follows them: dz = by_nodes (W du) + shift, with W the
+   * weights S and grad S. The unit matrix and zero where places stay.
+   */
+  template <int dim>
+  struct FollowedMotion
+  {
+    std::array<PointMotion<dim>, dim *(dim + 1)> by_nodes;
+    PointMotion<dim>                             shift;
+  };
+
+  /** Of point @p q of a group, in an evaluation with derivatives. */
+  template <int dim>
+  FollowedMotion<dim>
+  followed_motion(const StepData<dim>                 &step,
+                  const typename Stencils<dim>::Group &group,
+                  const unsigned int                   q,
+                  const std::vector<double>           &local_displacement);
 
   /**
    * Forces on corners, handed to the nodes: f at the arm a of a particle acts

@@ -196,6 +196,20 @@ namespace emmy
     }
 
     /**
+     * Of a motion that solves the step: whether what classify() found is too
+     * little for it. Then the step is solved again, and classify() is to find
+     * more.
+     * @return what is missing, the same on all ranks; empty: nothing
+     */
+    virtual std::string
+    missing(const StepData<dim> &step, const Vector &displacement)
+    {
+      (void)step;
+      (void)displacement;
+      return "";
+    }
+
+    /**
      * Of the step that will be accepted: the forces on the body that hold fixed
      * unknowns, with what followers have handed over to them, N; zero
      * elsewhere.
@@ -400,6 +414,15 @@ namespace emmy
 
     /** Half the boxes that particles start with, m; one per body, likewise. */
     std::vector<dealii::Tensor<1, dim>> half_length_of_body;
+
+    /**
+     * The velocity field of each body; empty: all have the same. At most one
+     * effect chooses them.
+     */
+    std::vector<unsigned int> field_of_body;
+
+    /** Names of the bodies; there before the first effect is added. */
+    std::vector<std::string> body_names;
 
     /** Whose the terms are, in the table of times. */
     std::vector<std::string> term_names;

@@ -7,6 +7,8 @@
 #include <emmy/material/material.h>
 #include <emmy/particles/stencils.h>
 
+#include <algorithm>
+#include <map>
 #include <vector>
 
 namespace emmy
@@ -24,6 +26,20 @@ namespace emmy
     std::array<dealii::types::global_dof_index, n_nodes> node_ids;
     double mass;      ///< gamma_M rho, kg/m^3
     double stiffness; ///< gamma_K E_F / h_F^2, N/m^4
+  };
+
+  /** What is known of an active cell. */
+  struct GhostCell
+  {
+    double density = 0., modulus = 0.; ///< the largest, kg/m^3, Pa
+    bool   is_boundary = false;
+
+    void
+    include(const double other_density, const double other_modulus)
+    {
+      density = std::max(density, other_density);
+      modulus = std::max(modulus, other_modulus);
+    }
   };
 
   /**
@@ -46,7 +62,8 @@ namespace emmy
    * is an active cell with a face neighbour that is not active; a side of the
    * grid counts as such a neighbour unless its normal displacement is given. A
    * ghost face lies between two active cells of which at least one is a
-   * boundary cell. Owned by the effect.
+   * boundary cell. This is done in each velocity field for itself. Owned by the
+   * effect.
    */
   template <int dim>
   class GhostFaces
@@ -70,6 +87,14 @@ namespace emmy
                const BoundaryConditions<dim> &boundary_conditions) const;
 
   private:
+    /** Those of a field. Collective. */
+    void
+    add_faces(const std::map<CellKey<dim>, GhostCell> &owned,
+              const unsigned int                       field,
+              const BackgroundGrid<dim>               &grid,
+              const BoundaryConditions<dim>           &boundary_conditions,
+              std::vector<GhostFace<dim>>             &faces) const;
+
     const double mass_penalty, stiffness_penalty; // gamma_M, gamma_K
     const std::vector<const Material<dim> *> material_of_body;
   };

@@ -55,8 +55,8 @@ namespace emmy
    * The roots of the active cells of this rank and beside it. A root has found
    * itself. Layer by layer, a cell that has none takes all those of the active
    * cells around it, across faces, edges and corners: walks through active
-   * cells, so that what a gap parts does not meet. Bodies do not matter.
-   * Collective.
+   * cells, so that what a gap parts does not meet. Bodies do not matter, but
+   * for their velocity field: cells and nodes are those of one. Collective.
    *
    * @param is_fed   1 for fed nodes, else 0; ghosts are up to date
    * @param n_layers a cell takes no root that is more layers away
@@ -66,6 +66,7 @@ namespace emmy
   find_roots(const Stencils<dim>       &stencils,
              const NodeValues          &is_fed,
              const BackgroundGrid<dim> &grid,
+             const unsigned int         field,
              const unsigned int         n_layers);
 
   /**

@@ -22,6 +22,19 @@ namespace emmy
     double      change; ///< in this step, J
   };
 
+  /** Add an entry; to that of its name, where several effects have one. */
+  inline void
+  add_entry(const EnergyEntry &entry, std::vector<EnergyEntry> &entries)
+  {
+    for (EnergyEntry &there : entries)
+      if (there.name == entry.name)
+        {
+          there.change += entry.change;
+          return;
+        }
+    entries.push_back(entry);
+  }
+
   /** What the ledger has summed so far, J. */
   struct LedgerSums
   {

@@ -4,6 +4,7 @@
 #include <deal.II/base/partitioner.h>
 
 #include <emmy/grid/grid_parameters.h>
+#include <emmy/grid/velocity_fields.h>
 #include <emmy/grid/window.h>
 
 #include <deal.II/distributed/tria.h>
@@ -54,6 +55,18 @@ namespace emmy
     BackgroundGrid(const GridParameters<dim> &parameters,
                    const MPI_Comm             communicator,
                    const Cells                at_start = Cells::all);
+
+    /** Choose them, before there are cells. */
+    void
+    set_fields(VelocityFields chosen)
+    {
+      velocity_fields = std::move(chosen);
+    }
+    const VelocityFields &
+    fields() const
+    {
+      return velocity_fields;
+    }
 
     MPI_Comm
     communicator() const;
@@ -215,9 +228,9 @@ namespace emmy
     std::vector<unsigned int>
     possible_owners(const CellKey<dim> &key) const;
 
-    /** Ids of the nodes of a cell, in deal.II's vertex order. */
+    /** Ids of the nodes of a cell in a field, in deal.II's vertex order. */
     std::array<dealii::types::global_dof_index, nodes_per_cell>
-    node_ids(const Cell &cell) const;
+    node_ids(const Cell &cell, const unsigned int field = 0) const;
 
     /** The key of a node that this rank knows: of the cell above it. */
     const CellKey<dim> &
@@ -227,7 +240,7 @@ namespace emmy
     dealii::Point<dim>
     node_position(const dealii::types::global_dof_index id) const;
 
-    /** Which nodes this rank owns and which it knows. */
+    /** The ids that this rank owns and those that it knows. */
     const std::shared_ptr<const dealii::Utilities::MPI::Partitioner> &
     nodes() const;
 
@@ -262,12 +275,13 @@ namespace emmy
     dealii::Tensor<1, dim>                                     h;
     Window<dim>                                                part;
     std::vector<Occupied>                                      last_covered;
+    VelocityFields                                             velocity_fields;
     dealii::parallel::distributed::Triangulation<dim>          cells;
     dealii::MappingCartesian<dim>                              cartesian;
     dealii::FE_Q<dim>                                          element;
     dealii::DoFHandler<dim>                                    numbering;
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> node_partition;
-    std::vector<CellKey<dim>> node_keys; // by local index
+    std::vector<CellKey<dim>> node_keys; // by local index, one field
     /** Owned and neighbouring cells by number_of(), sorted. */
     std::vector<std::pair<std::uint64_t, Cell>> cells_by_number;
     std::size_t                                 n_owned = 0;

@@ -101,11 +101,11 @@ namespace emmy
      * @return false if this rank does not know them
      */
     bool
-    add_nodes(const Entry               &entry,
-              const BackgroundGrid<dim> &grid,
-              Group                     &group,
-              Stencils<dim>             &stencils,
-              std::vector<Cell>         &overlapped) const;
+    add_nodes(const Entry                  &entry,
+              const BackgroundGrid<dim>    &grid,
+              Group                        &group,
+              Stencils<dim>                &stencils,
+              std::vector<ActiveCell<dim>> &overlapped) const;
 
     /** The weights of a particle by direction, from the origin of its cells. */
     static std::array<std::array<Weight, 4>, dim>
@@ -144,10 +144,9 @@ namespace emmy
    *   Collective.
    */
   template <int dim>
-  std::vector<typename BackgroundGrid<dim>::Cell>
-  owned_among_active(
-    const std::vector<typename BackgroundGrid<dim>::Cell> &found,
-    const BackgroundGrid<dim>                             &grid);
+  std::vector<ActiveCell<dim>>
+  owned_among_active(const std::vector<ActiveCell<dim>> &found,
+                     const BackgroundGrid<dim>          &grid);
 } // namespace emmy
 
 #endif

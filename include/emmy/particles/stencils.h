@@ -19,6 +19,25 @@
 
 namespace emmy
 {
+  /** A cell, and a velocity field that has particles in it. */
+  template <int dim>
+  struct ActiveCell
+  {
+    typename BackgroundGrid<dim>::Cell cell;
+    unsigned int                       field;
+
+    bool
+    operator<(const ActiveCell &other) const
+    {
+      return cell != other.cell ? cell < other.cell : field < other.field;
+    }
+    bool
+    operator==(const ActiveCell &other) const
+    {
+      return cell == other.cell && field == other.field;
+    }
+  };
+
   /**
    * Which nodes each particle of this rank talks to during a step, and with
    * what weights: the shape functions S and their gradients at the particles'
@@ -49,7 +68,7 @@ namespace emmy
 
     std::vector<Group> groups;
 
-    /** Grid nodes of all groups, one group after the other. */
+    /** Ids of the nodes of all groups, one group after the other. */
     std::vector<dealii::types::global_dof_index> node_ids;
     /** S of the group's node a at its point p: [a * n_points + p]. */
     std::vector<double> values;
@@ -66,8 +85,11 @@ namespace emmy
      */
     bool at_middle = false;
 
-    /** The active cells that this rank owns, sorted by their places. */
-    std::vector<typename BackgroundGrid<dim>::Cell> active_cells;
+    /**
+     * The active cells that this rank owns, sorted by their places; once in
+     * each field.
+     */
+    std::vector<ActiveCell<dim>> active_cells;
 
     const double *
     value(const Group &group, const unsigned int node) const

@@ -66,6 +66,17 @@ namespace emmy
     void
     see_reactions(const ActiveGrid<dim> &active, const Vector &force) const;
 
+    /** The velocity fields of the bodies, one or as an effect chooses. */
+    VelocityFields
+    velocity_fields() const
+    {
+      return VelocityFields(effects.field_of_body);
+    }
+
+    /** What any effect misses in a solved step, see Effect::missing(). */
+    std::string
+    missing(const StepData<dim> &step, const Vector &displacement) const;
+
     /** See Effect::check_step() and end_step(). */
     void
     check_step(const double       time,

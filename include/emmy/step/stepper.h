@@ -106,6 +106,9 @@ namespace emmy
     data_of(const Ground<dim>    &ground,
             const GridStart<dim> &start,
             const double          time_step) const;
+    /** Solve the step of a size; again where an effect has missed something. */
+    void
+    try_size(Solution &solution);
     /** One try with the geometry of the start, or of the middle. */
     void
     try_from_start(Solution &solution);

@@ -21,6 +21,9 @@ namespace emmy
    * The part of the grid that particles touch, and the equations on it: the
    * nodes of active cells, numbered without gaps over all ranks; the unknown
    * of component c of node n is dim n + c. All other nodes carry no equation.
+   * Where bodies have velocity fields of their own, a node of the grid is a
+   * node here for each field that has particles around it; what is said of
+   * nodes by their ids in the grid says so, see VelocityFields.
    *
    * Arrays over nodes are local to the rank: first the active nodes that it
    * owns, in the order of their numbers, then those of its active cells, and
@@ -182,7 +185,7 @@ namespace emmy
     }
 
     /** The active cells of this rank and the local indices of their nodes. */
-    const std::vector<typename BackgroundGrid<dim>::Cell> &
+    const std::vector<ActiveCell<dim>> &
     cells() const
     {
       return active_cells;
@@ -207,7 +210,7 @@ namespace emmy
     const BackgroundGrid<dim> &grid;
     /** Of the window for which this was made. */
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> grid_nodes;
-    std::vector<typename BackgroundGrid<dim>::Cell>            active_cells;
+    std::vector<ActiveCell<dim>>                               active_cells;
     std::vector<std::array<unsigned int, BackgroundGrid<dim>::nodes_per_cell>>
       nodes_of_cell;
 

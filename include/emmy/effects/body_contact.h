@@ -1,0 +1,217 @@
+#ifndef emmy_effects_body_contact_h
+#define emmy_effects_body_contact_h
+
+#include <emmy/effects/contact_search.h>
+#include <emmy/effects/corner_forces.h>
+
+#include <map>
+#include <optional>
+
+namespace emmy
+{
+  /** Two contact points: ids of the particles, and which of their points. */
+  using PairKey = std::array<std::uint64_t, 4>;
+
+  /** What sticks two contact points to one another, by both. */
+  template <int dim>
+  using PairSprings = std::map<PairKey, dealii::Tensor<1, dim>>;
+
+  /**
+   * Contact between groups of bodies, that have a velocity field each. The
+   * particles have contact points y = x_p + a at even places of their boxes,
+   * a = F_p xi, which move with them as the corners do that tools push (see
+   * Tools): so no force jumps between steps. Points of two groups repel one
+   * another as pair_action() says.
+   *
+   * Candidates, all points that are nearer than their reach and a margin, are
+   * found once in a step. A pair that is left out must be apart at the end too:
+   * if the bodies have moved by more than the margin, missing() says so, and
+   * the step is solved again with a larger one.
+   *
+   * Cost: a search in each step; in each evaluation a sweep over the particles,
+   * as for tools, some roots for each candidate, and for each pair of particles
+   * that touch a matrix of the nodes of both.
+   */
+  template <int dim>
+  class BodyContact : public Effect<dim>
+  {
+  public:
+    /** Numbers of the fields that it reads. */
+    struct Fields
+    {
+      unsigned int body, deformation_gradient;
+    };
+
+    /**
+     * @param group_names of the groups, for columns of the ledger
+     * @param corners_of_body those of the particles of each body
+     */
+    BodyContact(ContactRules<dim>                 rules,
+                std::vector<std::string>          group_names,
+                const Fields                     &fields,
+                std::vector<ParticleCorners<dim>> corners_of_body);
+
+    /** Tells of overlaps. */
+    std::string
+    mark(const BackgroundGrid<dim>               &grid,
+         dealii::Particles::ParticleHandler<dim> &particles) const override;
+
+    /** How far was looked, and what sticks. */
+    std::vector<double>
+    memory() const override;
+    void
+    recall(const std::vector<std::vector<double>> &parts) override;
+
+    bool
+    couples() const override
+    {
+      return true;
+    }
+    void
+    classify(const Stencils<dim>       &stencils,
+             const PointArrays<dim>    &points,
+             const BackgroundGrid<dim> &grid) override;
+    void
+    couple(const Stencils<dim>           &stencils,
+           const BackgroundGrid<dim>     &grid,
+           const BoundaryConditions<dim> &boundary_conditions,
+           Couplings<dim>                &couplings) override;
+    std::string
+    missing(const StepData<dim> &step, const Vector &displacement) override;
+    void
+    end_step(const double time, const double time_step) override;
+
+    bool
+    is_force() const override
+    {
+      return true;
+    }
+    bool
+    has_kinks() const override
+    {
+      return has_friction() || rules.exponent == 2;
+    }
+    std::string
+    add(const StepData<dim> &step,
+        const Iterate<dim>  &iterate,
+        Vector              &force,
+        Matrix              *jacobian) const override;
+
+    std::vector<EnergyEntry>
+    energies(const StepData<dim>    &step,
+             const Vector           &displacement,
+             const PointArrays<dim> &accepted) const override;
+    std::vector<EnergyEntry>
+    energy_entries() const override;
+    /** What overlaps has been stored, and put in by who made the scene. */
+    std::vector<EnergyEntry>
+    energies_at_start(const PointArrays<dim> &points,
+                      const double            time) const override;
+
+    bool
+    measures() const override
+    {
+      return true;
+    }
+    /** Forces on the groups in the last step, and how many pairs touched. */
+    std::vector<StepMeasure>
+    measure(const PointArrays<dim>    &points,
+            const double               time,
+            const BackgroundGrid<dim> &grid) override;
+
+    /** Names of the columns that enter no balance. */
+    static std::vector<std::string>
+    columns_of(const std::vector<std::string> &group_names);
+
+  private:
+    using Group    = typename Stencils<dim>::Group;
+    using ByMotion = std::array<PointMotion<dim>, dim *(dim + 1)>;
+    using NodeIds  = std::vector<dealii::types::global_dof_index>;
+    static constexpr unsigned int n_motion = dim * (dim + 1);
+
+    /** Where a candidate stands in the stencils of now. */
+    struct Where
+    {
+      unsigned int group, point; ///< the point of the group
+      unsigned int nodes;        ///< among the lists of nodes
+    };
+    /** Pairs of particles whose nodes are those of two lists. */
+    struct Clique
+    {
+      unsigned int              first_nodes, second_nodes; ///< lists
+      std::size_t               coupled; ///< in Couplings::node_ids
+      std::vector<unsigned int> pairs;
+    };
+    /** A candidate in an evaluation. */
+    struct State
+    {
+      CornerMotion<dim>                   motion;
+      std::vector<dealii::Tensor<1, dim>> places, ways; ///< of its points, m
+    };
+    /** Of a pair of particles: dG/dz across, first by second, and back. */
+    struct Across
+    {
+      bool     acts = false;
+      ByMotion first_by_second{}, second_by_first{};
+    };
+
+    bool
+    has_friction() const
+    {
+      return rules.friction > 0.;
+    }
+    std::vector<ContactParticle<dim>>
+    in_groups(const Stencils<dim>    &stencils,
+              const PointArrays<dim> &points) const;
+    CornerMotion<dim>
+    particle(const StepData<dim>       &step,
+             const Group               &group,
+             const unsigned int         q,
+             const std::vector<double> &local_displacement) const;
+    /** The candidates as they move; @p visit(motion) sees all particles. */
+    template <class Visit>
+    std::vector<State>
+    states(const StepData<dim>       &step,
+           const std::vector<double> &local_displacement,
+           const Visit               &visit) const;
+    /** Call visit(pair, key, action) for what acts, also for a moment. */
+    template <class Visit>
+    void
+    for_each_action(const std::vector<State> &states,
+                    const bool                with_derivative,
+                    const Visit              &visit) const;
+    PairPoint<dim>
+    point(const State &state, const unsigned int index) const;
+    /** Add the derivative across pairs to the matrix. */
+    void
+    add_across(const StepData<dim>       &step,
+               const std::vector<double> &local_displacement,
+               const std::vector<Across> &across,
+               Matrix                    &jacobian) const;
+
+    /** What the last step found on this rank. */
+    struct Found
+    {
+      std::vector<dealii::Tensor<1, dim>> force; ///< on the groups, N
+      double                              n_touching = 0.;
+      PairSprings<dim>                    springs;
+      double                              overlap = 0.; ///< at the start, J
+    };
+
+    const ContactRules<dim>                 rules;
+    const std::vector<std::string>          group_names;
+    const Fields                            fields;
+    const std::vector<ParticleCorners<dim>> corners_of_body;
+    double                                  least_margin; ///< m
+    double                                  margin;       ///< m
+    Candidates<dim>                         candidates;
+    std::vector<Where>                      where;    ///< of the candidates
+    std::vector<unsigned int>               in_order; ///< of the stencils
+    std::vector<unsigned int>               at_point; ///< candidate, or none
+    std::vector<Clique>                     cliques;
+    PairSprings<dim>                        springs; ///< at t
+    mutable Found                           found;
+  };
+} // namespace emmy
+
+#endif
