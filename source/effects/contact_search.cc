@@ -158,7 +158,8 @@ namespace emmy
   Candidates<dim>
   find_candidates(const ContactRules<dim>          &rules,
                   std::vector<ContactParticle<dim>> particles,
-                  const double                      margin)
+                  const double                      margin,
+                  const unsigned int                rank)
   {
     // neither the order of cells nor the partition may matter
     std::sort(particles.begin(),
@@ -195,7 +196,8 @@ namespace emmy
             (void)place;
             const ContactParticle<dim> &two = found.particles[j];
             if (j <= i ||
-                rules.bodies[one.body].group == rules.bodies[two.body].group)
+                rules.bodies[one.body].group == rules.bodies[two.body].group ||
+                (one.owner != rank && two.owner != rank))
               continue;
             auto points = near_points(rules, one, two, margin);
             if (!points.empty())
@@ -210,7 +212,10 @@ namespace emmy
   template struct ContactRules<dim>;             \
   template struct ContactParticle<dim>;          \
   template Candidates<dim> find_candidates<dim>( \
-    const ContactRules<dim> &, std::vector<ContactParticle<dim>>, double);
+    const ContactRules<dim> &,                   \
+    std::vector<ContactParticle<dim>>,           \
+    const double,                                \
+    const unsigned int);
   INSTANTIATE(2)
   INSTANTIATE(3)
 #undef INSTANTIATE

@@ -74,16 +74,22 @@ namespace emmy
           step.stencils.value(group, a)[q] * u[unknown<dim>(nodes[a], c)];
     result.gradient = step.stencils.displacement_gradient(group, q, nodes, u);
     result.F_old    = tensor_field(step.points, deformation_gradient, result.p);
-    result.F        = result.F_old;
-    if (step.stencils.at_middle)
-      {
-        Tensor<2, dim> from_start = -0.5 * result.gradient;
-        for (unsigned int d = 0; d < dim; ++d)
-          from_start[d][d] += 1.;
-        result.Z = invert(from_start);
-        result.F = result.Z * result.F_old;
-      }
+    result.find_arms(step.stencils.at_middle);
     return result;
+  }
+
+  template <int dim>
+  void
+  CornerMotion<dim>::find_arms(const bool at_middle)
+  {
+    F = F_old;
+    if (!at_middle)
+      return;
+    Tensor<2, dim> from_start = -0.5 * gradient;
+    for (unsigned int d = 0; d < dim; ++d)
+      from_start[d][d] += 1.;
+    Z = invert(from_start);
+    F = Z * F_old;
   }
 
   template <int dim>
@@ -309,6 +315,7 @@ namespace emmy
     const Stencils<dim>::Group &,                                               \
     const unsigned int,                                                         \
     const std::vector<double> &);                                               \
+  template struct CornerMotion<dim>;                                            \
   template class CornerForces<dim>;                                             \
   template Tensor<2, dim>    tensor_field<dim>(const PointArrays<dim> &,        \
                                             const unsigned int,              \

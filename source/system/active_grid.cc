@@ -30,16 +30,21 @@ namespace emmy
 
   namespace
   {
-    /** The grid's nodes, with the masters that lie beyond this rank's part. */
+    /** The grid's nodes, with masters and others beyond this rank's part. */
     template <int dim>
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner>
-    nodes_and_masters(const BackgroundGrid<dim>        &grid,
-                      const std::vector<TiedNode<dim>> &tied_nodes)
+    nodes_and_farther(const BackgroundGrid<dim> &grid,
+                      const Couplings<dim>      &couplings)
     {
       dealii::IndexSet ghosts = grid.nodes()->ghost_indices();
-      for (const TiedNode<dim> &tied : tied_nodes)
+      for (const TiedNode<dim> &tied : couplings.tied_nodes)
         for (const auto &master : tied.masters)
           ghosts.add_index(master.id);
+      for (const auto &[id, position] : couplings.far_nodes)
+        {
+          (void)position;
+          ghosts.add_index(id);
+        }
       return std::make_shared<const dealii::Utilities::MPI::Partitioner>(
         grid.nodes()->locally_owned_range(), ghosts, grid.communicator());
     }
@@ -104,6 +109,8 @@ namespace emmy
       for (const auto &[cell, field] : stencils.active_cells)
         for (const global_dof_index id : grid.node_ids(cell, field))
           add_ghost(id);
+      for (const auto &[id, position] : couplings.far_nodes)
+        result.positions[id] = position;
       for (const TiedNode<dim> &tied : couplings.tied_nodes)
         {
           add_ghost(tied.id);
@@ -195,8 +202,8 @@ namespace emmy
     refuse_unknowns(dim * n_nodes);
 
     // numbers of the nodes that others own (exact in double up to 2^53)
-    Exchange number(couplings.has_tied_nodes
-                      ? nodes_and_masters(grid, couplings.tied_nodes)
+    Exchange number(couplings.has_tied_nodes || couplings.has_far_nodes
+                      ? nodes_and_farther(grid, couplings)
                       : grid.nodes());
     for (unsigned int i = 0; i < owned_ids.size(); ++i)
       number(owned_ids[i]) = first + i;

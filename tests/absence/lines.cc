@@ -150,6 +150,8 @@ namespace
       return std::string("subsection Point load\nset Force = 0.3; 0") +
              (more.empty() ? "" : "; 0") + "\nset Points nearest to = 2, 1.5" +
              more + "\nend\n";
+    if (effect == "contact")
+      return "subsection Contact\nset Groups = block | ledge\nend\n";
     if (effect == "tools")
       return "subsection Tools\nset Names = floor\nsubsection floor\n"
              "set Shape = plane\nset Reference point = 1, 0.9" +
@@ -177,7 +179,15 @@ namespace
                            "0.3*y; 0.2 - 0.4*(y - 1.5)";
     velocity += dim == 3 ? "; 0.1*x" : "";
     if (choice.has("manufactured solution"))
-      velocity = ""; // the motion gives it
+      velocity = "";   // the motion gives it
+    std::string ledge; // a second body for what needs one
+    if (choice.has("contact"))
+      ledge = "subsection ledge\nset Shape = box\nset Material = m\n"
+              "set Points per direction = 2\nsubsection box\n"
+              "set Lower corner = 3, 1" +
+              std::string(dim == 3 ? ", 0.5" : "") +
+              "\nset Upper corner = 3.5, 2" + (dim == 3 ? ", 1.5" : "") +
+              "\nend\nend\n";
     return "set Dimension = " + std::to_string(dim) +
            "\nsubsection Grid\nset Lower corner = 0, 0" + more +
            "\nset Upper corner = 4, 3" + (dim == 3 ? ", 2" : "") +
@@ -193,15 +203,16 @@ namespace
               ? "set Cohesion = 2\nset Friction angle = 20\n"
                 "set Dilation angle = 5\n"
               : "") +
-           "end\nend\nsubsection Bodies\nset Names = block\n"
+           "end\nend\nsubsection Bodies\nset Names = block" +
+           (ledge.empty() ? "" : ", ledge") +
+           "\n"
            "subsection block\nset Shape = box\nset Material = m\n"
            "set Points per direction = 2\n" +
            velocity + "\nsubsection box\nset Lower corner = 1, 1" +
            (dim == 3 ? ", 0.5" : "") + "\nset Upper corner = 2.3, 2" +
-           (dim == 3 ? ", 1.5" : "") +
-           "\nend\nend\nend\nsubsection Effects\nset Names = " +
-           join(choice.effects) + "\n" + effects +
-           "end\nsubsection Method\nset Shape functions = " +
+           (dim == 3 ? ", 1.5" : "") + "\nend\nend\n" + ledge +
+           "end\nsubsection Effects\nset Names = " + join(choice.effects) +
+           "\n" + effects + "end\nsubsection Method\nset Shape functions = " +
            choice.shape_functions + "\nset Starved nodes = " + choice.starved +
            "\nend\n" + unused +
            "subsection Time\nset End time = 2\nset Step rule = fixed\n"

@@ -39,7 +39,7 @@ SCENES = {
                                              "Bodies/block/Initial velocity=18 + y; 12 - x",
                                              "Ranks/Rebalance above=1.02",
                                              "Time/Maximum steps=60", "Output/Frames=40"]),
-    # bodies that touch and rub, in some seconds; on one rank
+    # bodies that touch and rub, in some seconds
     "contact": ("examples/two-discs.prm", ["Effects/Contact/Friction coefficient=0.4",
                                            "Time/Maximum steps=90", "Output/Frames=10"]),
     # a wall that moves, in some seconds

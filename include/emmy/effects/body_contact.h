@@ -1,21 +1,11 @@
 #ifndef emmy_effects_body_contact_h
 #define emmy_effects_body_contact_h
 
-#include <emmy/effects/contact_search.h>
+#include <emmy/effects/contact_exchange.h>
 #include <emmy/effects/corner_forces.h>
-
-#include <map>
-#include <optional>
 
 namespace emmy
 {
-  /** Two contact points: ids of the particles, and which of their points. */
-  using PairKey = std::array<std::uint64_t, 4>;
-
-  /** What sticks two contact points to one another, by both. */
-  template <int dim>
-  using PairSprings = std::map<PairKey, dealii::Tensor<1, dim>>;
-
   /**
    * Contact between groups of bodies, that have a velocity field each. The
    * particles have contact points y = x_p + a at even places of their boxes,
@@ -132,13 +122,20 @@ namespace emmy
     /** Where a candidate stands in the stencils of now. */
     struct Where
     {
-      unsigned int group, point; ///< the point of the group
-      unsigned int nodes;        ///< among the lists of nodes
+      unsigned int        group, point; ///< of this rank; else none
+      unsigned int        nodes;        ///< among all lists of nodes
+      NodeIds             ids;
+      std::vector<double> weights; ///< W: S, grad S, [(dim + 1) a + l]
+
+      unsigned int
+      n_nodes() const
+      {
+        return ids.size();
+      }
     };
     /** Pairs of particles whose nodes are those of two lists. */
     struct Clique
     {
-      unsigned int              first_nodes, second_nodes; ///< lists
       std::size_t               coupled; ///< in Couplings::node_ids
       std::vector<unsigned int> pairs;
     };
@@ -160,15 +157,30 @@ namespace emmy
     {
       return rules.friction > 0.;
     }
+    /** Those that this rank owns. */
     std::vector<ContactParticle<dim>>
     in_groups(const Stencils<dim>    &stencils,
-              const PointArrays<dim> &points) const;
+              const PointArrays<dim> &points,
+              const unsigned int      rank) const;
     CornerMotion<dim>
     particle(const StepData<dim>       &step,
              const Group               &group,
              const unsigned int         q,
              const std::vector<double> &local_displacement) const;
-    /** The candidates as they move; @p visit(motion) sees all particles. */
+    void
+    find_where(const Stencils<dim> &stencils);
+    /** Nodes of candidates that other ranks own, and whom they follow. */
+    void
+    exchange_nodes(const BackgroundGrid<dim> &grid, Couplings<dim> &couplings);
+    bool
+    is_mine(const unsigned int candidate) const
+    {
+      return where[candidate].group != ContactBody<dim>::none;
+    }
+    /**
+     * The candidates as they move; @p visit(motion) sees all particles of this
+     * rank. Collective.
+     */
     template <class Visit>
     std::vector<State>
     states(const StepData<dim>       &step,
@@ -182,12 +194,17 @@ namespace emmy
                     const Visit              &visit) const;
     PairPoint<dim>
     point(const State &state, const unsigned int index) const;
+    /** Of the candidates that act. Collective. */
+    std::vector<FollowedMotion<dim>>
+    followed(const StepData<dim>       &step,
+             const std::vector<double> &local_displacement,
+             const std::vector<char>   &acts) const;
     /** Add the derivative across pairs to the matrix. */
     void
-    add_across(const StepData<dim>       &step,
-               const std::vector<double> &local_displacement,
-               const std::vector<Across> &across,
-               Matrix                    &jacobian) const;
+    add_across(const StepData<dim>                    &step,
+               const std::vector<FollowedMotion<dim>> &followed,
+               const std::vector<Across>              &across,
+               Matrix                                 &jacobian) const;
 
     /** What the last step found on this rank. */
     struct Found
@@ -204,13 +221,16 @@ namespace emmy
     const std::vector<ParticleCorners<dim>> corners_of_body;
     double                                  least_margin; ///< m
     double                                  margin;       ///< m
+    unsigned int                            here = 0;     ///< this rank
     Candidates<dim>                         candidates;
     std::vector<Where>                      where;    ///< of the candidates
     std::vector<unsigned int>               in_order; ///< of the stencils
     std::vector<unsigned int>               at_point; ///< candidate, or none
     std::vector<Clique>                     cliques;
-    PairSprings<dim>                        springs; ///< at t
-    mutable Found                           found;
+    ContactExchange<dim>                    exchange;
+    /** At t, on the ranks that own the first particles; all those of now. */
+    PairSprings<dim> springs, springs_held;
+    mutable Found    found;
   };
 } // namespace emmy
 

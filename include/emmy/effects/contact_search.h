@@ -63,7 +63,8 @@ namespace emmy
   {
     dealii::types::particle_index id;
     unsigned int                  body;
-    std::size_t                   index; ///< among the places of its rank
+    unsigned int                  owner; ///< its rank
+    std::size_t                   index; ///< there, among the places
     dealii::Point<dim>            place; ///< at t, m
     dealii::Tensor<2, dim>        F;     ///< at t
 
@@ -90,7 +91,8 @@ namespace emmy
 
   /**
    * All pairs of contact points of different groups that are nearer to one
-   * another than their reach and a margin, with their particles. Cost: a tree
+   * another than their reach and a margin, one of them at least a rank's own,
+   * with their particles. Cost: a tree
    * of the particles where the boxes around groups meet (boost's R-tree), a
    * query for each.
    */
@@ -98,7 +100,8 @@ namespace emmy
   Candidates<dim>
   find_candidates(const ContactRules<dim>          &rules,
                   std::vector<ContactParticle<dim>> particles,
-                  const double                      margin);
+                  const double                      margin,
+                  const unsigned int                rank);
 } // namespace emmy
 
 #endif

@@ -41,6 +41,9 @@ namespace emmy
     dealii::Tensor<2, dim> F;
     dealii::Tensor<2, dim> Z; ///< of the middle; else zero
 
+    /** F and Z from F_old and L. */
+    void
+    find_arms(const bool at_middle);
     /** F at t + dt. */
     dealii::Tensor<2, dim>
     F_new() const

@@ -7,6 +7,7 @@
 #include <deal.II/lac/full_matrix.h>
 
 #include <functional>
+#include <utility>
 #include <vector>
 
 namespace emmy
@@ -65,6 +66,13 @@ namespace emmy
      * background grid, group by group. */
     std::vector<dealii::types::global_dof_index> node_ids;
     std::vector<unsigned int>                    group_sizes;
+    /**
+     * Nodes among them that are beyond this rank's part of the grid, and where
+     * they are; and whether any rank has one.
+     */
+    std::vector<std::pair<dealii::types::global_dof_index, dealii::Point<dim>>>
+         far_nodes;
+    bool has_far_nodes = false;
 
     /** Among the nodes that this rank knows, and whether any rank has one. */
     std::vector<TiedNode<dim>> tied_nodes;
