@@ -2,7 +2,6 @@
 #include <emmy/effects/moving_places.h>
 
 #include <algorithm>
-#include <map>
 
 namespace emmy
 {
@@ -75,54 +74,8 @@ namespace emmy
                               const BoundaryConditions<dim> &,
                               Couplings<dim> &couplings)
   {
-    const std::size_t n = stencils.particles.size();
-    work->pools.clear();
-    work->pool_of_point.resize(n);
-    work->group_of_point.resize(n);
-    // pools in the order of the points: it does not depend on the window
-    std::map<std::pair<unsigned int, const Material<dim> *>, unsigned int>
-      pool_of;
-    for (std::size_t g = 0; g < stencils.groups.size(); ++g)
-      {
-        const Group &group    = stencils.groups[g];
-        const auto  *material = material_of_body[group.body];
-        for (std::size_t p = group.first_point;
-             p < group.first_point + group.n_points;
-             ++p)
-          {
-            const unsigned int cell = stencils.particles[p]
-                                        ->get_surrounding_cell()
-                                        ->active_cell_index();
-            const auto [entry, is_new] =
-              pool_of.try_emplace({cell, material}, work->pools.size());
-            if (is_new)
-              work->pools.emplace_back();
-            Pool &pool = work->pools[entry->second];
-            pool.points.push_back(p);
-            work->pool_of_point[p] = entry->second;
-            const bool is_next_of_group =
-              pool.points.size() > 1 &&
-              work->group_of_point[pool.points[pool.points.size() - 2]] == g;
-            work->group_of_point[p] = g;
-            if (!is_next_of_group)
-              pool.node_ids.insert(pool.node_ids.end(),
-                                   stencils.node_ids.begin() + group.first_node,
-                                   stencils.node_ids.begin() +
-                                     group.first_node + group.n_nodes);
-          }
-      }
-    for (Pool &pool : work->pools)
-      {
-        std::sort(pool.node_ids.begin(), pool.node_ids.end());
-        pool.node_ids.erase(std::unique(pool.node_ids.begin(),
-                                        pool.node_ids.end()),
-                            pool.node_ids.end());
-        pool.first_coupled = couplings.node_ids.size();
-        couplings.node_ids.insert(couplings.node_ids.end(),
-                                  pool.node_ids.begin(),
-                                  pool.node_ids.end());
-        couplings.group_sizes.push_back(pool.node_ids.size());
-      }
+    work->cells.find(stencils, material_of_body);
+    work->cells.add_to(couplings);
   }
 
   template <int dim>
@@ -133,7 +86,7 @@ namespace emmy
                            Matrix              *jacobian) const
   {
     const std::size_t n = step.stencils.particles.size();
-    Assert(work->pool_of_point.size() == n,
+    Assert(work->cells.group_of_point.size() == n,
            dealii::ExcMessage("couple() was not for these points"));
     work->points.resize(n);
     work->gradients.resize(n);
@@ -174,7 +127,7 @@ namespace emmy
   MeanDilatation<dim>::find_ratios(const StepData<dim> &step,
                                    const Iterate<dim>  &iterate) const
   {
-    for (Pool &pool : work->pools)
+    for (auto &pool : work->cells.pools)
       pool.volume = pool.change = pool.stress = pool.stress_end =
         pool.own_by_mean                      = 0.;
     auto         &batch   = work->batch;
@@ -204,7 +157,7 @@ namespace emmy
             {
               const std::size_t p    = point + q;
               CellPoint<dim>   &here = work->points[p];
-              Pool             &pool = work->pools[work->pool_of_point[p]];
+              auto             &pool = work->cells.pool_of(p);
               here.volume_ratio      = 1. + ratios[p];
               here.own_change =
                 volume_change<dim>(batch.displacement_gradient[q]);
@@ -215,10 +168,10 @@ namespace emmy
               pool.change += V * here.own_change;
             }
         }
-    for (Pool &pool : work->pools)
+    for (auto &pool : work->cells.pools)
       pool.change /= pool.volume;
     for (std::size_t p = 0; p < work->points.size(); ++p)
-      work->points[p].mean_change = work->pools[work->pool_of_point[p]].change;
+      work->points[p].mean_change = work->cells.pool_of(p).change;
     return {};
   }
 
@@ -246,7 +199,7 @@ namespace emmy
             for (unsigned int q = 0; q < batch.n_points; ++q)
               {
                 const CellPoint<dim> &here = work->points[point + q];
-                Pool &pool = work->pools[work->pool_of_point[point + q]];
+                auto                 &pool = work->cells.pool_of(point + q);
                 pool.stress += volumes[point + q] * here.mean_stress;
                 pool.stress_end += volumes[point + q] * here.mean_stress_end;
                 pool.own_by_mean +=
@@ -255,7 +208,7 @@ namespace emmy
           }
         return {};
       });
-    for (Pool &pool : work->pools)
+    for (auto &pool : work->cells.pools)
       {
         pool.stress /= pool.volume;
         pool.own_by_mean /= pool.volume;
@@ -268,7 +221,7 @@ namespace emmy
         const CellPoint<dim> &here = work->points[p];
         ratios[p] =
           here.volume_ratio - 1. + here.volume_ratio * here.own_change;
-        cell_means[p] = work->pools[work->pool_of_point[p]].stress_end;
+        cell_means[p] = work->cells.pool_of(p).stress_end;
         work->box_scales[p] =
           std::pow((1. + here.mean_change) / (1. + here.own_change), 0.5 / dim);
       }
@@ -351,7 +304,7 @@ namespace emmy
     for (unsigned int q = 0; q < batch.n_points; ++q)
       {
         const std::size_t p    = point + q;
-        const Pool       &pool = work->pools[work->pool_of_point[p]];
+        const auto       &pool = work->cells.pool_of(p);
         const auto        link =
           rule.whole_stress(work->points[p], pool.stress, q, batch);
         if (!batch.with_tangent)
@@ -385,7 +338,7 @@ namespace emmy
       share.resize(dim * active.n_local_nodes());
     CellVectors                vectors;
     dealii::FullMatrix<double> block;
-    for (const Pool &pool : work->pools)
+    for (const auto &pool : work->cells.pools)
       {
         const unsigned int *nodes = active.coupled_nodes(pool.first_coupled);
         const unsigned int  n     = pool.node_ids.size();
@@ -435,10 +388,10 @@ namespace emmy
                                  const std::vector<unsigned int> &index_of,
                                  CellVectors                     &vectors) const
   {
-    const Group         &group = step.stencils.groups[work->group_of_point[p]];
-    const unsigned int   q     = p - group.first_point;
-    const unsigned int  *nodes = step.start.active->nodes(group);
-    const CellLink<dim> &link  = work->links[p];
+    const Group &group = step.stencils.groups[work->cells.group_of_point[p]];
+    const unsigned int   q       = p - group.first_point;
+    const unsigned int  *nodes   = step.start.active->nodes(group);
+    const CellLink<dim> &link    = work->links[p];
     const Tensor<2, dim> by_mean = weights.force * link.stress_by_mean,
                          by_mean_stress =
                            weights.force * link.stress_by_mean_stress,

@@ -1,5 +1,6 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/effects/mean_dilatation.h>
 #include <emmy/effects/scaled_boxes.h>
 #include <emmy/effects/starved_nodes.h>
 #include <emmy/particles/body_measures.h>
@@ -101,7 +102,7 @@ namespace emmy
       layout.set_effect(domain_update_effect);
       auto update =
         make_domain_update(method.domain_update, bodies, grid, layout);
-      if (method.locking_treatment == "none")
+      if (!layout.has(own_volume_field))
         return update;
       return with_mean_dilatation(std::move(update),
                                   method.domain_update,

@@ -2,10 +2,10 @@
 #define emmy_effects_mean_dilatation_h
 
 #include <emmy/effects/cell_matrix.h>
+#include <emmy/effects/cell_pools.h>
 #include <emmy/effects/stress_states.h>
 #include <emmy/material/mean_dilatation.h>
 #include <emmy/material/middle_step.h>
-#include <emmy/particles/place_derivatives.h>
 
 #include <memory>
 
@@ -84,28 +84,10 @@ namespace emmy
   private:
     using Group = typename Stencils<dim>::Group;
 
-    /** The particles of a material in a cell. */
-    struct Pool
-    {
-      double volume      = 0.; ///< V_c at t, m^3
-      double change      = 0.; ///< sum V (j - 1), then theta - 1
-      double stress      = 0.; ///< sum V0 Pi, then P_c, Pa
-      double stress_end  = 0.; ///< sum V0 tr tau/3, then over theta V_c
-      double own_by_mean = 0.; ///< x
-      std::vector<std::size_t> points;
-      /** Nodes in the grid that the points reach, each once, and where they
-       * stand among those that effects couple. */
-      std::vector<dealii::types::global_dof_index> node_ids;
-      std::size_t                                  first_coupled = 0;
-    };
-
     /** What add() works on and with; as long as the points stay. */
     struct Work
     {
-      std::vector<Pool>         pools;
-      std::vector<unsigned int> pool_of_point;
-      std::vector<std::size_t>  group_of_point;
-
+      CellPools<dim>                      cells;
       std::vector<CellPoint<dim>>         points;
       std::vector<CellLink<dim>>          links;
       std::vector<dealii::Tensor<2, dim>> gradients; ///< L
