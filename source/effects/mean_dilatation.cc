@@ -68,6 +68,17 @@ namespace emmy
   }
 
   template <int dim>
+  bool
+  MeanDilatation<dim>::has_kinks() const
+  {
+    return std::any_of(material_of_body.begin(),
+                       material_of_body.end(),
+                       [](const auto *material) {
+                         return !material->history().empty();
+                       });
+  }
+
+  template <int dim>
   void
   MeanDilatation<dim>::couple(const Stencils<dim> &stencils,
                               const BackgroundGrid<dim> &,

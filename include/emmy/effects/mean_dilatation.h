@@ -60,6 +60,12 @@ namespace emmy
     {
       return true;
     }
+    /**
+     * Where points flow: whether one does decides on the pressure of its whole
+     * cell, and Newton can run in circles.
+     */
+    bool
+    has_kinks() const override;
     /** Finds which points share a cell and a material, and their nodes. */
     void
     couple(const Stencils<dim>           &stencils,
