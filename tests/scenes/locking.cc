@@ -121,6 +121,34 @@ namespace
     at_most("  difference", std::abs(tip[1] / tip[0] - 1.), 1e-4);
   }
 
+  /** The same at rest, in static steps. */
+  void
+  check_static()
+  {
+    ParameterFile beam(EMMY_SOURCE_DIR "/prm/stability/locking-beam.prm");
+    for (const char *setting : {"Grid/Cells=20, 12",
+                                "Effects/Point load/Region=x - 3.875",
+                                "Effects/Point load/Amplitude=t",
+                                "Measurements/tip/Nearest to=3.9375, 1.5",
+                                "Method/Geometry=start",
+                                "Method/Stress rule=end-point",
+                                "Time/Integrator=static",
+                                "Time/End time=1",
+                                "Time/Increments=5"})
+      beam.set(setting);
+    const SceneParameters<2> parameters(beam);
+    test::RunningScene<2>    run(parameters);
+    run.advance_to(1. - 1e-9);
+    std::cout << "cantilever at rest: falls by " << fallen(run, "tip_y")
+              << " m, " << iterations(run) << " iterations an increment\n";
+    check_balance(run, "load_work");
+    at_most("  iterations an increment", iterations(run), 4.);
+    // 0.08186 m without the force's own rotation
+    at_most("  off the beam",
+            std::abs(fallen(run, "tip_y") / 0.0782 - 1.),
+            0.02);
+  }
+
   void
   check_beams(const bool all)
   {
@@ -130,6 +158,7 @@ namespace
     if (all)
       at_most("  off 1.00", std::abs(beam("cell", 4) - 1.), 0.02);
     check_lone_particles();
+    check_static();
   }
 
   // ------------------------------------------------------------------------
