@@ -244,6 +244,12 @@ namespace emmy
                                         p,
                                         points.group.body,
                                         points.middle.from_start(in_batch));
+    if (has_box && points.box_scales)
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          box.half_length[d] *= points.box_scales[in_batch];
+          box.by_L[d] *= points.box_scales[in_batch];
+        }
     const auto   &sides = rules.grid.size_of(places.cells[i]);
     Tensor<1, nq> from_place; // Q - q
     Tensor<2, nq> matrix;     // I - Q_q

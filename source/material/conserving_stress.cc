@@ -26,61 +26,52 @@ namespace emmy
     /** An energy difference below this part of the energies is round-off. */
     constexpr double energy_round_off =
       4. * std::numeric_limits<double>::epsilon();
-
-    /** Changes of energy that the material was not asked for, or cannot give.
-     */
-    template <int dim>
-    void
-    subtract_energies(const bool is_given, StressBatch<dim> &batch)
-    {
-      MaterialBatch<dim> &material = batch.material;
-      if (!material.with_energy_change)
-        for (unsigned int p = 0; p < batch.n_points; ++p)
-          material.stored_energy_change[p] =
-            material.stored_energy[p] - batch.stored_energy_old[p];
-      if (batch.is_inelastic && !is_given)
-        for (unsigned int p = 0; p < batch.n_points; ++p)
-          material.hardening_energy_change[p] =
-            material.hardening_energy[p] - batch.hardening_energy_old[p];
-    }
-
-    /**
-     * 2 (Delta psi + Delta D) - work of a point, J/m^3, and its energies at
-     * t + dt: those at t plus their changes.
-     *
-     * @param work twice what the mean stress works, S : A
-     */
-    template <int dim>
-    double
-    missing_energy(StressBatch<dim>  &batch,
-                   const unsigned int p,
-                   const double       work)
-    {
-      MaterialBatch<dim> &material = batch.material;
-      double              change   = material.stored_energy_change[p];
-      double              size     = std::abs(batch.stored_energy_old[p]) +
-                    std::abs(material.stored_energy[p]);
-      if (batch.is_inelastic)
-        {
-          change +=
-            material.hardening_energy_change[p] + material.dissipation[p];
-          size += batch.hardening_energy_old[p] + material.hardening_energy[p];
-        }
-      double missing = 2. * change - work;
-      if (!material.with_energy_change &&
-          std::abs(missing) <= energy_round_off * size)
-        {
-          material.stored_energy_change[p] -= 0.5 * missing;
-          missing = 0.;
-        }
-      material.stored_energy[p] =
-        batch.stored_energy_old[p] + material.stored_energy_change[p];
-      if (batch.is_inelastic)
-        material.hardening_energy[p] =
-          batch.hardening_energy_old[p] + material.hardening_energy_change[p];
-      return missing;
-    }
   } // namespace
+
+  template <int dim>
+  void
+  subtract_energies(const bool is_given, StressBatch<dim> &batch)
+  {
+    MaterialBatch<dim> &material = batch.material;
+    if (!material.with_energy_change)
+      for (unsigned int p = 0; p < batch.n_points; ++p)
+        material.stored_energy_change[p] =
+          material.stored_energy[p] - batch.stored_energy_old[p];
+    if (batch.is_inelastic && !is_given)
+      for (unsigned int p = 0; p < batch.n_points; ++p)
+        material.hardening_energy_change[p] =
+          material.hardening_energy[p] - batch.hardening_energy_old[p];
+  }
+
+  template <int dim>
+  double
+  missing_energy(StressBatch<dim>  &batch,
+                 const unsigned int p,
+                 const double       work)
+  {
+    MaterialBatch<dim> &material = batch.material;
+    double              change   = material.stored_energy_change[p];
+    double              size     = std::abs(batch.stored_energy_old[p]) +
+                  std::abs(material.stored_energy[p]);
+    if (batch.is_inelastic)
+      {
+        change += material.hardening_energy_change[p] + material.dissipation[p];
+        size += batch.hardening_energy_old[p] + material.hardening_energy[p];
+      }
+    double missing = 2. * change - work;
+    if (!material.with_energy_change &&
+        std::abs(missing) <= energy_round_off * size)
+      {
+        material.stored_energy_change[p] -= 0.5 * missing;
+        missing = 0.;
+      }
+    material.stored_energy[p] =
+      batch.stored_energy_old[p] + material.stored_energy_change[p];
+    if (batch.is_inelastic)
+      material.hardening_energy[p] =
+        batch.hardening_energy_old[p] + material.hardening_energy_change[p];
+    return missing;
+  }
 
   namespace
   {
@@ -187,6 +178,15 @@ namespace emmy
       }
     return batch.n_points;
   }
+
+#define INSTANTIATE(dim)                                                  \
+  template void   subtract_energies<dim>(const bool, StressBatch<dim> &); \
+  template double missing_energy<dim>(StressBatch<dim> &,                 \
+                                      const unsigned int,                 \
+                                      const double);
+  INSTANTIATE(2)
+  INSTANTIATE(3)
+#undef INSTANTIATE
 
   template unsigned int
   conserving_stress<2>(const Material<2> &, StressBatch<2> &);

@@ -48,12 +48,17 @@ namespace emmy
     // tr b - tr b_t = b_t : A and ln J - ln J_t = ln(1 + j); and of these
     // tr A/2 - ln(1 + j) = H:H/2 - i2 - i3 + j - ln(1 + j), where i2 and i3
     // are the invariants of H
-    const auto &H     = batch.step.displacement_gradient[p];
-    const auto &b_old = batch.step.left_cauchy_green_less_unit_old[p];
-    const auto  A     = mandel::symmetric_part<dim>(2. * H + transpose(H) * H);
-    double      i2, i3 = 0.;
+    const auto  &H     = batch.step.displacement_gradient[p];
+    const auto  &b_old = batch.step.left_cauchy_green_less_unit_old[p];
+    const double h = batch.step.out_of_plane ? batch.step.out_of_plane[p] : 0.;
+    const auto   A =
+      mandel::symmetric_part<dim>(2. * H + transpose(H) * H, (2. + h) * h);
+    double i2, i3 = 0.;
     if constexpr (dim == 2)
-      i2 = determinant(H);
+      {
+        i2 = determinant(H) + h * trace(H);
+        i3 = h * determinant(H);
+      }
     else
       {
         i2 = 0.;
@@ -64,13 +69,13 @@ namespace emmy
           }
         i3 = determinant(H);
       }
-    const double j      = trace(H) + i2 + i3;
+    const double j      = trace(H) + h + i2 + i3;
     const double change = std::log1p(j);
     const double ln_J_old =
       0.5 * std::log1p(mandel::determinant_less_one<dim>(b_old));
     return 0.5 * shear_modulus * (b_old * A) +
            shear_modulus *
-             (0.5 * scalar_product(H, H) - i2 - i3 + less_log1p(j)) +
+             (0.5 * (scalar_product(H, H) + h * h) - i2 - i3 + less_log1p(j)) +
            0.5 * lambda * (2. * ln_J_old + change) * change;
   }
 

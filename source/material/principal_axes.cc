@@ -197,6 +197,12 @@ namespace emmy
                                      start[p],
                                      batch.step.kirchhoff_stress_old[p],
                                      batch.step.displacement_gradient[p]);
+    if constexpr (dim == 2)
+      if (batch.step.out_of_plane)
+        for (unsigned int p = 0; p < batch.n_points; ++p)
+          batch.stored_energy_change[p] +=
+            0.5 * (steps[p].stress[2] + batch.step.kirchhoff_stress_old[p][3]) *
+            std::log1p(batch.step.out_of_plane[p]);
   }
 
 #define INSTANTIATE(dim)                                                 \

@@ -69,68 +69,61 @@ namespace emmy
     return batch.n_points;
   }
 
+  template <int dim>
+  dealii::Tensor<2, dim * dim>
+  nominal_tangent(const dealii::Tensor<2, dim> &Fm,
+                  const dealii::Tensor<2, dim> &F,
+                  const MandelVector<dim>      &S,
+                  const MandelMatrix<dim>      &C)
+  {
+    constexpr auto         ij = mandel::pairs<dim>();
+    constexpr unsigned int m  = n_in_plane<dim>;
+
+    // G maps a symmetric tensor X to (F X)_iJ, for F = Fm and F
+    const auto left_product = [&ij](const dealii::Tensor<2, dim> &F) {
+      std::array<std::array<double, m>, dim * dim> G{};
+      for (unsigned int a = 0; a < m; ++a)
+        for (unsigned int i = 0; i < dim; ++i)
+          {
+            const unsigned int M = ij[a][0], J = ij[a][1];
+            if (a < dim)
+              G[i * dim + J][a] = F[i][M];
+            else
+              {
+                G[i * dim + J][a] = F[i][M] / mandel::sqrt2;
+                G[i * dim + M][a] = F[i][J] / mandel::sqrt2;
+              }
+          }
+      return G;
+    };
+    const auto row    = left_product(Fm);
+    const auto column = left_product(F);
+
+    dealii::Tensor<2, dim * dim> result;
+    for (unsigned int r = 0; r < dim * dim; ++r)
+      {
+        std::array<double, m> row_C{};
+        for (unsigned int a = 0; a < m; ++a)
+          for (unsigned int b = 0; b < m; ++b)
+            row_C[b] += row[r][a] * C[a][b];
+        for (unsigned int c = 0; c < dim * dim; ++c)
+          {
+            double sum = 0.;
+            for (unsigned int b = 0; b < m; ++b)
+              sum += row_C[b] * column[c][b];
+            result[r][c] = sum;
+          }
+      }
+    const auto S_block = mandel::block<dim>(S);
+    for (unsigned int i = 0; i < dim; ++i)
+      for (unsigned int J = 0; J < dim; ++J)
+        for (unsigned int L = 0; L < dim; ++L)
+          result[i * dim + J][i * dim + L] += 0.5 * S_block[J][L];
+    return result;
+  }
+
   namespace
   {
-    /**
-     * dP/dH from S and a matrix C with dS = C : sym(F^T dH):
-     * P_iJ = Fm_iM S_MJ, so that
-     * dP_iJ/dH_mL = 1/2 delta_im S_JL + Fm_iM C_MJKL F_mK.
-     * For an S that depends on Delta C alone, F = Delta F and
-     * C = 2 dS/d(Delta C).
-     */
-    template <int dim>
-    dealii::Tensor<2, dim * dim>
-    nominal_tangent(const dealii::Tensor<2, dim> &Fm,
-                    const dealii::Tensor<2, dim> &F,
-                    const MandelVector<dim>      &S,
-                    const MandelMatrix<dim>      &C)
-    {
-      constexpr auto         ij = mandel::pairs<dim>();
-      constexpr unsigned int m  = n_in_plane<dim>;
-
-      // G maps a symmetric tensor X to (F X)_iJ, for F = Fm and F
-      const auto left_product = [&ij](const dealii::Tensor<2, dim> &F) {
-        std::array<std::array<double, m>, dim * dim> G{};
-        for (unsigned int a = 0; a < m; ++a)
-          for (unsigned int i = 0; i < dim; ++i)
-            {
-              const unsigned int M = ij[a][0], J = ij[a][1];
-              if (a < dim)
-                G[i * dim + J][a] = F[i][M];
-              else
-                {
-                  G[i * dim + J][a] = F[i][M] / mandel::sqrt2;
-                  G[i * dim + M][a] = F[i][J] / mandel::sqrt2;
-                }
-            }
-        return G;
-      };
-      const auto row    = left_product(Fm);
-      const auto column = left_product(F);
-
-      dealii::Tensor<2, dim * dim> result;
-      for (unsigned int r = 0; r < dim * dim; ++r)
-        {
-          std::array<double, m> row_C{};
-          for (unsigned int a = 0; a < m; ++a)
-            for (unsigned int b = 0; b < m; ++b)
-              row_C[b] += row[r][a] * C[a][b];
-          for (unsigned int c = 0; c < dim * dim; ++c)
-            {
-              double sum = 0.;
-              for (unsigned int b = 0; b < m; ++b)
-                sum += row_C[b] * column[c][b];
-              result[r][c] = sum;
-            }
-        }
-      const auto S_block = mandel::block<dim>(S);
-      for (unsigned int i = 0; i < dim; ++i)
-        for (unsigned int J = 0; J < dim; ++J)
-          for (unsigned int L = 0; L < dim; ++L)
-            result[i * dim + J][i * dim + L] += 0.5 * S_block[J][L];
-      return result;
-    }
-
     template <int dim>
     using Steps = std::array<StepKinematics<dim>, max_batch_points>;
 
@@ -311,6 +304,16 @@ namespace emmy
   {
     return {&at_rest<dim>, false};
   }
+
+#define INSTANTIATE(dim)                                      \
+  template dealii::Tensor<2, dim * dim> nominal_tangent<dim>( \
+    const dealii::Tensor<2, dim> &,                           \
+    const dealii::Tensor<2, dim> &,                           \
+    const MandelVector<dim> &,                                \
+    const MandelMatrix<dim> &);
+  INSTANTIATE(2)
+  INSTANTIATE(3)
+#undef INSTANTIATE
 
   template StressRule<2>
   static_stress_rule<2>();

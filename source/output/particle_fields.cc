@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace emmy
 {
@@ -113,6 +114,8 @@ namespace emmy
     struct StressReader
     {
       unsigned int left_cauchy_green_less_unit, kirchhoff_stress;
+      /** Of what acts in place of the particle's own; empty: nothing. */
+      std::optional<unsigned int> cell_mean_stress;
 
       MandelVector<dim>
       tensor(const Particle<dim> &particle, const unsigned int offset) const
@@ -123,14 +126,23 @@ namespace emmy
         return a;
       }
 
-      /** tau/J, with J^2 = det b. */
+      /**
+       * tau/J, with J^2 = det b; with the mean stress of the cell where that
+       * is what acts.
+       */
       MandelVector<dim>
       cauchy_stress(const Particle<dim> &particle) const
       {
         const double volume_change =
           std::sqrt(1. + mandel::determinant_less_one<dim>(
                            tensor(particle, left_cauchy_green_less_unit)));
-        return tensor(particle, kirchhoff_stress) / volume_change;
+        const auto own = tensor(particle, kirchhoff_stress) / volume_change;
+        if (!cell_mean_stress)
+          return own;
+        const auto unit = mandel::unit<dim>();
+        return own + (particle.get_properties()[*cell_mean_stress] -
+                      unit * own / 3.) *
+                       unit;
       }
 
       MandelVector<dim>
@@ -151,7 +163,11 @@ namespace emmy
     stress_fields(const FieldLayout &layout)
     {
       const StressReader<dim> read{layout["left_cauchy_green_less_unit"],
-                                   layout["kirchhoff_stress"]};
+                                   layout["kirchhoff_stress"],
+                                   layout.has("cell_mean_stress")
+                                     ? std::optional<unsigned int>(
+                                         layout["cell_mean_stress"])
+                                     : std::nullopt};
       const auto              scalar = [](const std::string &name,
                              const std::string &description,
                              const auto        &value) {

@@ -1,5 +1,7 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/effects/mean_dilatation.h>
+#include <emmy/effects/scaled_boxes.h>
 #include <emmy/effects/starved_nodes.h>
 #include <emmy/particles/body_measures.h>
 #include <emmy/particles/particle_count.h>
@@ -98,7 +100,13 @@ namespace emmy
       if (!layout.has("half_length"))
         return nullptr; // particles are points
       layout.set_effect(domain_update_effect);
-      return make_domain_update(method.domain_update, bodies, grid, layout);
+      auto update =
+        make_domain_update(method.domain_update, bodies, grid, layout);
+      if (!layout.has(own_volume_field))
+        return update;
+      return with_mean_dilatation(std::move(update),
+                                  method.domain_update,
+                                  layout);
     }
 
     /** What particles carry whatever acts. */
@@ -343,16 +351,16 @@ namespace emmy
                       "has a Lower corner and an Upper corner\n";
       }
     const MethodParameters &method = parameters.method;
-    line("method") << method.shape_functions
-                   << (layout.has("half_length")
-                         ? " (domains: " + method.domain_update + ")"
-                         : std::string())
-                   << ", " << method.mapping << ", lumping " << mapping.lumping
-                   << ", "
-                   << (explicit_force
-                         ? "explicit steps with the stress at their start"
+    line("method")
+      << method.shape_functions
+      << (layout.has("half_length") ? " (domains: " + method.domain_update + ")"
+                                    : std::string())
+      << ", " << method.mapping << ", lumping " << mapping.lumping << ", "
+      << (explicit_force ? "explicit steps with the stress at their start"
                          : method.stress_rule + " stress")
-                   << (middle ? ", geometry in the middle of the step" : "");
+      << (method.locking_treatment == "cell" ? ", mean dilatation of cells"
+                                             : "")
+      << (middle ? ", geometry in the middle of the step" : "");
     if (boundary_conditions.has_walls())
       out << ", " << method.wall_mapping << " walls";
     out << '\n';

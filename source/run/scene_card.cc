@@ -2,6 +2,7 @@
 #include <emmy/base/text.h>
 #include <emmy/effects/inertia.h>
 #include <emmy/effects/internal_force.h>
+#include <emmy/effects/mean_dilatation.h>
 #include <emmy/effects/starved_nodes.h>
 #include <emmy/run/scene_card.h>
 #include <emmy/run/scene_effects.h>
@@ -73,6 +74,7 @@ namespace emmy
                         : InternalForce<dim>::card());
         add_materials();
         add(stress_rule_card(parameters.method.stress_rule));
+        add_locking_treatment();
         add(explicit_card(is_explicit));
         add(static_card(is_static));
         add_shape_functions();
@@ -220,13 +222,37 @@ namespace emmy
       void
       add_starved_nodes()
       {
-        const bool is_present         = scene.balance.has(starved_nodes_effect);
-        std::optional<std::int64_t> n = 0;
+        const bool                  is_present = follows();
+        std::optional<std::int64_t> n          = 0;
         if (is_present)
-          n = card.nonzeros - nonzeros(stencils, points, named, false);
+          n = card.nonzeros -
+              nonzeros(stencils, points, named, false, treats_locking());
         else if (with_absent)
-          n = nonzeros(stencils, points, named, true) - card.nonzeros;
+          n = nonzeros(stencils, points, named, true, treats_locking()) -
+              card.nonzeros;
         add(StarvedNodes<dim>::card(is_present), n);
+      }
+
+      bool
+      treats_locking() const
+      {
+        return parameters.method.locking_treatment == "cell";
+      }
+
+      void
+      add_locking_treatment()
+      {
+        std::optional<std::int64_t> n = 0;
+        if (treats_locking() || (with_absent && !scene.explicit_force))
+          n = nonzeros(stencils, points, named, follows(), true) -
+              nonzeros(stencils, points, named, follows(), false);
+        add(MeanDilatation<dim>::card(treats_locking()), n);
+      }
+
+      bool
+      follows() const
+      {
+        return scene.balance.has(starved_nodes_effect);
       }
 
       std::optional<std::int64_t>
@@ -240,10 +266,7 @@ namespace emmy
         try
           {
             const std::int64_t n =
-              nonzeros(stencils,
-                       points,
-                       others,
-                       scene.balance.has(starved_nodes_effect));
+              nonzeros(stencils, points, others, follows(), treats_locking());
             return effect.is_present ? card.nonzeros - n : n - card.nonzeros;
           }
         catch (const ExcParameter &) // of all ranks: from the parameter file
@@ -270,10 +293,8 @@ namespace emmy
         const auto others =
           functions.evaluate(needs_fields ? filled : scene.particles,
                              scene.grid);
-        return nonzeros(others,
-                        gather(others, layout),
-                        named,
-                        scene.balance.has(starved_nodes_effect));
+        return nonzeros(
+          others, gather(others, layout), named, follows(), treats_locking());
       }
 
       /** Of a matrix with these stencils and effects. Collective. */
@@ -281,7 +302,8 @@ namespace emmy
       nonzeros(const Stencils<dim>            &stencils,
                const PointArrays<dim>         &points,
                const std::vector<std::string> &names,
-               const bool                      follows) const
+               const bool                      follows,
+               const bool                      treats_locking) const
       {
         Effects<dim> effects;
         effects.material_of_body = scene.material_of_body;
@@ -295,6 +317,11 @@ namespace emmy
         if (follows)
           effects.terms.push_back(
             parameters.method.template make_starved_nodes<dim>(layout));
+        if (treats_locking)
+          effects.terms.push_back(std::make_unique<MeanDilatation<dim>>(
+            scene.material_of_body,
+            layout,
+            MeanDilatation<dim>::Kind::conserving));
         for (const std::string &name : names)
           parameters.effects.at(name)->add_to(effects, layout);
         const Balance<dim> balance(std::move(effects));

@@ -2,6 +2,7 @@
 #include <emmy/base/text.h>
 #include <emmy/effects/inertia.h>
 #include <emmy/effects/internal_force.h>
+#include <emmy/effects/mean_dilatation.h>
 #include <emmy/effects/starved_nodes.h>
 #include <emmy/effects/wall_mapping.h>
 #include <emmy/material/static_stress.h>
@@ -26,6 +27,33 @@ namespace emmy
       return names;
     }
 
+    /** Throws ExcParameter for another stress rule. */
+    template <int dim>
+    std::unique_ptr<MeanDilatation<dim>>
+    make_mean_dilatation(
+      const SceneParameters<dim>               &parameters,
+      const std::vector<Body<dim>>             &bodies,
+      const std::vector<const Material<dim> *> &material_of_body,
+      FieldLayout                              &layout)
+    {
+      const MethodParameters &method    = parameters.method;
+      const bool              is_static = parameters.time.is_static();
+      AssertThrow(is_static || method.stress_rule == "conserving",
+                  ExcParameter(method.path(),
+                               "Locking treatment",
+                               method.locking_treatment,
+                               "it has the conserving stress only. Remove "
+                               "Stress rule = " +
+                                 method.stress_rule +
+                                 ", or set Locking treatment = none."));
+      using Kind = typename MeanDilatationStress<dim>::Kind;
+      return std::make_unique<MeanDilatation<dim>>(
+        material_of_body,
+        layout,
+        is_static ? Kind::at_rest : Kind::conserving,
+        names_of_materials(parameters, bodies));
+    }
+
     template <int dim>
     void
     add_inertia_and_stress(const SceneParameters<dim>   &parameters,
@@ -40,6 +68,12 @@ namespace emmy
           effects.name_new(Inertia<dim>::card().name);
         }
       layout.set_effect(internal_force_effect);
+      if (parameters.method.locking_treatment == "cell")
+        {
+          effects.terms.push_back(make_mean_dilatation(
+            parameters, bodies, effects.material_of_body, layout));
+          return effects.name_new(internal_force_effect);
+        }
       effects.terms.push_back(std::make_unique<InternalForce<dim>>(
         effects.material_of_body,
         layout,
@@ -130,7 +164,8 @@ namespace emmy
                      effects.terms.end(),
                      [](const auto &term) {
                        return term->is_force() &&
-                              !dynamic_cast<InternalForce<dim> *>(term.get());
+                              !dynamic_cast<InternalForce<dim> *>(term.get()) &&
+                              !dynamic_cast<MeanDilatation<dim> *>(term.get());
                      }),
         ExcParameter("Time",
                      "Integrator",
@@ -191,6 +226,12 @@ namespace emmy
               method.stress_rule,
               "the stress at the start of the step acts, whatever the rule. "
               "Remove it.");
+      require(method.locking_treatment == "none",
+              method.path(),
+              "Locking treatment",
+              method.locking_treatment,
+              "the stress of a particle is its own. Remove it, or set it to "
+              "none.");
       require(method.starved_nodes == "free",
               method.path(),
               "Starved nodes",

@@ -112,6 +112,15 @@ namespace emmy
                   "particles reach a node, mid-point can make very much.",
                   prm,
                   Selection(stress_rule_names()));
+    add_parameter("Locking treatment",
+                  locking_treatment,
+                  "What keeps bodies from locking, that is from being far too "
+                  "stiff, where their volume can hardly change: with a "
+                  "Poisson's ratio near 0.5, and in plastic flow. none: "
+                  "nothing. cell: in a step the volume of all particles of a "
+                  "cell changes alike, without loss of energy or momentum.",
+                  prm,
+                  Selection("none|cell"));
     add_parameter("Wall mapping",
                   wall_mapping,
                   "constrained: fixed nodes have the velocity of the wall in "

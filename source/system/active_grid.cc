@@ -158,6 +158,7 @@ namespace emmy
                  stencils.node_ids == group_node_ids &&
                  stencils.active_cells == active_cells &&
                  now.node_ids == couplings.node_ids &&
+                 now.group_sizes == couplings.group_sizes &&
                  now.tied_nodes == couplings.tied_nodes
                ? 1
                : 0,

@@ -114,7 +114,7 @@ check 'base: ghost faces couple all but opposite corners' \
 emmy_run --check base.prm
 check 'base: absent effects have no numbers unless asked for' has_lines 0 out '^  absent +bytes'
 check 'base: absent effects are named' \
-  says out 'absent von Mises, Drucker-Prager, neo-Hooke, stress rule, explicit steps, static steps, GIMP, domain update, middle geometry, aggregation, gravity, point load, surface loads, mass damping, viscous sides, contact, tools, ghost stabilisation, manufactured solution, lumping, PIC, inelastic walls, unconstrained walls, moving walls, reactions, diagnosis, displacement output'
+  says out 'absent von Mises, Drucker-Prager, neo-Hooke, stress rule, locking treatment, explicit steps, static steps, GIMP, domain update, middle geometry, aggregation, gravity, point load, surface loads, mass damping, viscous sides, contact, tools, ghost stabilisation, manufactured solution, lumping, PIC, inelastic walls, unconstrained walls, moving walls, reactions, diagnosis, displacement output'
 
 # agrees NAME CARD_NAME ARGUMENTS...: with the arguments the scene has the
 # effect; its card agrees with the run, and with what the scene without it says
@@ -177,6 +177,9 @@ agrees 'ghosts' 'ghost stabilisation' base.prm --set 'Effects/Names=ghost stabil
 agrees 'lumping' lumping base.prm --set 'Method/Lumping=0.5'
 agrees 'PIC' PIC base.prm --set 'Method/Mapping=PIC'
 agrees 'end-point' 'stress rule' base.prm --set 'Method/Stress rule=end-point'
+agrees 'mean dilatation' 'locking treatment' base.prm --set 'Method/Locking treatment=cell'
+agrees 'mean dilatation, GIMP' 'locking treatment' base.prm --set 'Method/Locking treatment=cell' \
+  --set 'Method/Shape functions=GIMP' --set 'Method/Geometry=start'
 agrees 'explicit' '' base.prm --set 'Time/Integrator=explicit'
 check 'explicit: present' [ "$(of run.card 'present explicit steps' 5)" = velocity_update_loss ]
 check 'explicit: lumped' [ "$(of run.card 'present lumping' 5)" = lumping_loss ]

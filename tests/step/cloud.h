@@ -5,6 +5,7 @@
 #include <emmy/effects/gravity.h>
 #include <emmy/effects/inertia.h>
 #include <emmy/effects/internal_force.h>
+#include <emmy/effects/mean_dilatation.h>
 #include <emmy/effects/moving_walls.h>
 #include <emmy/effects/starved_nodes.h>
 #include <emmy/effects/wall_mapping.h>
@@ -41,6 +42,7 @@ namespace emmy
       double                   stiffness    = 1e3; ///< Young's modulus, Pa
       bool                     gimp         = false;
       bool                     plastic      = false;
+      bool                     treated      = false; ///< mean dilatation
       bool                     moving       = false; ///< the side y-min
       std::string              wall_mapping = "constrained";
       double ghost_mass = 0., ghost_stiffness = 0.; ///< penalties
@@ -110,8 +112,13 @@ namespace emmy
 
         Effects<dim> effects;
         effects.terms.push_back(std::make_unique<Inertia<dim>>(layout["mass"]));
-        effects.terms.push_back(std::make_unique<InternalForce<dim>>(
-          std::vector<const Material<dim> *>{material.get()}, layout));
+        const std::vector<const Material<dim> *> materials{material.get()};
+        if (options.treated)
+          effects.terms.push_back(std::make_unique<MeanDilatation<dim>>(
+            materials, layout, MeanDilatation<dim>::Kind::conserving));
+        else
+          effects.terms.push_back(
+            std::make_unique<InternalForce<dim>>(materials, layout));
         if (options.moving)
           effects.terms.push_back(std::make_unique<MovingWalls<dim>>(
             *moving_walls, *boundary_conditions, *grid));
@@ -196,6 +203,8 @@ namespace emmy
               for (unsigned int d = 0; d < dim; ++d)
                 values[layout["half_length"] + d] =
                   (0.1 + 0.4 * unit(generator)) * grid->cell_size()[d];
+            if (layout.has(own_volume_field)) // not that of the stress
+              values[layout[own_volume_field]] = random(0.2);
             insert(id, x, values);
           }
         particles.update_cached_numbers();

@@ -256,6 +256,38 @@ namespace
                       .check();
                   }
   }
+
+  /** Points whose volume changes as that of their cells. */
+  template <int dim>
+  void
+  check_mean_dilatation()
+  {
+    for (const bool gimp : {false, true})
+      for (const bool plastic : {false, true})
+        for (const unsigned int walls : {0u, 1u})
+          for (const unsigned int n_iterations : {1u, 2u, 50u})
+            {
+              test::CloudOptions options;
+              options.n_points = 5 * (dim == 2 ? 12 : 36);
+              options.seed     = 17 + walls;
+              options.gimp     = gimp;
+              options.plastic  = plastic;
+              options.treated  = true;
+              options.gravity  = true;
+              if (walls == 1)
+                options.roller = {"x-min", "y-max"};
+              test::OneStep<dim>(options,
+                                 PointMapping(),
+                                 n_iterations,
+                                 0.02,
+                                 std::to_string(dim) + "D, mean dilatation, " +
+                                   (gimp ? "GIMP" : "MPM") +
+                                   (plastic ? ", plastic" : ", elastic") +
+                                   (walls == 1 ? ", rollers, " : ", free, ") +
+                                   std::to_string(n_iterations) + " iterations")
+                .check();
+            }
+  }
 } // namespace
 
 int
@@ -268,6 +300,8 @@ main(int argc, char *argv[])
   check_methods<2>();
   check_ghosts<2>();
   check_aggregation<2>();
+  check_mean_dilatation<2>();
+  check_mean_dilatation<3>();
   check_scenes<3>();
   // what follows takes minutes where ranks share a core
   if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1)

@@ -52,6 +52,8 @@ namespace emmy
       const StressBatch<dim>    &batch; ///< S-hat and dS-hat/dL of the middle
       const MiddleStep<dim>     &middle;
       const double              *volumes; ///< reference volumes, m^3
+      /** By what the boxes are scaled beyond what Z says; null: by nothing. */
+      const double *box_scales = nullptr;
     };
 
     static constexpr auto nq = PlaceDerivatives<dim>::n;
@@ -112,6 +114,12 @@ namespace emmy
         group,
         rules.grid,
         result);
+    }
+    /** Unknowns of a place: its position, with boxes their half-lengths. */
+    unsigned int
+    n_place_unknowns() const
+    {
+      return n_used;
     }
     void
     add_to_share(const std::vector<double> &local);

@@ -26,6 +26,28 @@ namespace emmy
   template <int dim>
   unsigned int
   conserving_stress(const Material<dim> &material, StressBatch<dim> &batch);
+
+  /**
+   * Fill in the changes of energy that the material was not asked for, or
+   * cannot give, as differences.
+   * @param is_given whether the material gives that of hardening
+   */
+  template <int dim>
+  void
+  subtract_energies(const bool is_given, StressBatch<dim> &batch);
+
+  /**
+   * 2 (Delta psi + Delta D) - work of point @p p, J/m^3; a difference that is
+   * round-off is zero. The point's energies at t + dt become those at t plus
+   * their changes.
+   *
+   * @param work twice what the mean stress works, S : A
+   */
+  template <int dim>
+  double
+  missing_energy(StressBatch<dim>  &batch,
+                 const unsigned int p,
+                 const double       work);
 } // namespace emmy
 
 #endif

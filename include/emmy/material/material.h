@@ -46,6 +46,9 @@ namespace emmy
       const MandelVector<dim> *left_cauchy_green_less_unit_old = nullptr;
       /** Kirchhoff stress at t, Pa. */
       const MandelVector<dim> *kirchhoff_stress_old = nullptr;
+      /** H_33 in plane strain, where a treatment of locking gives it; null: 0.
+       */
+      const double *out_of_plane = nullptr;
     };
     /** Only if with_energy_change, for materials that give it. */
     bool with_energy_change = false;

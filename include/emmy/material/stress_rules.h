@@ -60,6 +60,21 @@ namespace emmy
                 const bool           with_energy_change = false);
 
   /**
+   * dP/dH of P = F_m S, from S and a matrix C with dS = C : sym(F^T dH), where
+   * F_m = I + H/2:
+   * dP_iJ/dH_mL = 1/2 delta_im S_JL + F_m,iM C_MJKL F_mK.
+   * For an S that depends on Delta C alone, F = Delta F and
+   * C = 2 dS/d(Delta C).
+   * @return dP_iJ/dH_mL at row i*dim+J, column m*dim+L
+   */
+  template <int dim>
+  dealii::Tensor<2, dim * dim>
+  nominal_tangent(const dealii::Tensor<2, dim> &Fm,
+                  const dealii::Tensor<2, dim> &F,
+                  const MandelVector<dim>      &S,
+                  const MandelMatrix<dim>      &C);
+
+  /**
    * A rule for the stress that acts during a step, for any material. With the
    * configuration at t as the reference of the step, every rule has the form
    * @f$ P = \tfrac12 (I + \Delta F) S @f$ with a symmetric S, so that linear

@@ -57,6 +57,7 @@ namespace emmy
     double      flip_fraction      = -1.; // -1: not given
     double      lumping            = 0.;
     std::string stress_rule        = "conserving";
+    std::string locking_treatment  = "none";
     std::string wall_mapping       = "constrained";
     std::string geometry           = "middle";
     double      geometry_tolerance = 1e-8; // cells

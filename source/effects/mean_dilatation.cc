@@ -1,0 +1,503 @@
+#include <emmy/effects/mean_dilatation.h>
+#include <emmy/effects/moving_places.h>
+
+#include <algorithm>
+
+namespace emmy
+{
+  using dealii::Tensor;
+
+  namespace
+  {
+    Field
+    volume_ratio_field()
+    {
+      return {
+        own_volume_field,
+        Field::Kind::scalar,
+        "1",
+        "det F - 1 of the particle's own motion, without the treatment of "
+        "locking"};
+    }
+
+    Field
+    mean_stress_field()
+    {
+      return {"cell_mean_stress",
+              Field::Kind::scalar,
+              "Pa",
+              "mean Cauchy stress of the particles of the cell that the "
+              "particle was in at the start of the step"};
+    }
+
+    unsigned int
+    first_of_treatment(FieldLayout &layout)
+    {
+      layout.set_effect(mean_dilatation_effect);
+      return layout.add(volume_ratio_field());
+    }
+  } // namespace
+
+  template <int dim>
+  MeanDilatation<dim>::MeanDilatation(
+    std::vector<const Material<dim> *> material_of_body,
+    FieldLayout                       &layout,
+    const Kind                         kind,
+    std::vector<std::string>           names)
+    : kind(kind)
+    , rule(kind)
+    , states(material_of_body, std::move(names), layout)
+    , volume_ratio_less_one(first_of_treatment(layout))
+    , mean_stress(layout.add(mean_stress_field()))
+    , material_of_body(std::move(material_of_body))
+    , work(std::make_unique<Work>())
+  {}
+
+  template <int dim>
+  EffectCard
+  MeanDilatation<dim>::card(const bool is_present)
+  {
+    EffectCard card;
+    card.name       = mean_dilatation_effect;
+    card.setting    = "Method/Locking treatment = cell";
+    card.enters     = "Newton: the volume of a cell's particles changes alike";
+    card.fields     = {volume_ratio_field(), mean_stress_field()};
+    card.couples    = "all nodes that the particles of a cell reach";
+    card.is_present = is_present;
+    return card;
+  }
+
+  template <int dim>
+  bool
+  MeanDilatation<dim>::has_kinks() const
+  {
+    return std::any_of(material_of_body.begin(),
+                       material_of_body.end(),
+                       [](const auto *material) {
+                         return !material->history().empty();
+                       });
+  }
+
+  template <int dim>
+  void
+  MeanDilatation<dim>::couple(const Stencils<dim> &stencils,
+                              const BackgroundGrid<dim> &,
+                              const BoundaryConditions<dim> &,
+                              Couplings<dim> &couplings)
+  {
+    work->cells.find(stencils, material_of_body);
+    work->cells.add_to(couplings);
+  }
+
+  template <int dim>
+  std::string
+  MeanDilatation<dim>::add(const StepData<dim> &step,
+                           const Iterate<dim>  &iterate,
+                           Vector              &force,
+                           Matrix              *jacobian) const
+  {
+    const std::size_t n = step.stencils.particles.size();
+    Assert(work->cells.group_of_point.size() == n,
+           dealii::ExcMessage("couple() was not for these points"));
+    work->points.resize(n);
+    work->gradients.resize(n);
+    work->box_scales.resize(n);
+    work->links.resize(jacobian ? n : 0);
+    work->nodal_force.assign(dim * step.start.active->n_local_nodes(), 0.);
+    work->energy             = 0.;
+    work->batch.with_tangent = jacobian != nullptr;
+
+    std::string problem = find_ratios(step, iterate);
+    if (problem.empty())
+      problem = find_own_stresses(step, iterate);
+    if (problem.empty())
+      {
+        add_stresses(step, iterate, jacobian);
+        if (jacobian)
+          add_cells(step, iterate, *jacobian);
+      }
+    step.start.active->add(work->nodal_force,
+                           force); // collective: also after a problem
+    return problem;
+  }
+
+  template <int dim>
+  void
+  MeanDilatation<dim>::begin_batch(const Group       &group,
+                                   const unsigned int first) const
+  {
+    auto &batch    = work->batch;
+    batch.n_points = std::min(max_batch_points, group.n_points - first);
+    for (unsigned int q = 0; q < batch.n_points; ++q)
+      batch.displacement_gradient[q] =
+        work->gradients[group.first_point + first + q];
+  }
+
+  template <int dim>
+  std::string
+  MeanDilatation<dim>::find_ratios(const StepData<dim> &step,
+                                   const Iterate<dim>  &iterate) const
+  {
+    for (auto &pool : work->cells.pools)
+      pool.volume = pool.change = pool.stress = pool.stress_end =
+        pool.own_by_mean                      = 0.;
+    auto         &batch   = work->batch;
+    const double *volumes = states.reference_volumes(step.points);
+    const double *ratios  = step.points.component(volume_ratio_less_one);
+    for (const Group &group : step.stencils.groups)
+      for (unsigned int first = 0; first < group.n_points;
+           first += max_batch_points)
+        {
+          const std::size_t point = group.first_point + first;
+          batch.n_points = std::min(max_batch_points, group.n_points - first);
+          displacement_gradients(step.stencils,
+                                 group,
+                                 first,
+                                 iterate.local_displacement.data(),
+                                 step.start.active->nodes(group),
+                                 batch);
+          for (unsigned int q = 0; q < batch.n_points; ++q)
+            work->gradients[point + q] = batch.displacement_gradient[q];
+          if (step.stencils.at_middle)
+            {
+              const unsigned int inverted = work->middle.to_start(batch);
+              if (inverted < batch.n_points)
+                return inverted_particle(step.stencils, point + inverted);
+            }
+          for (unsigned int q = 0; q < batch.n_points; ++q)
+            {
+              const std::size_t p    = point + q;
+              CellPoint<dim>   &here = work->points[p];
+              auto             &pool = work->cells.pool_of(p);
+              here.volume_ratio      = 1. + ratios[p];
+              here.own_change =
+                volume_change<dim>(batch.displacement_gradient[q]);
+              if (!(here.own_change > -1.)) // NaN too
+                return inverted_particle(step.stencils, p);
+              const double V = volumes[p] * here.volume_ratio;
+              pool.volume += V;
+              pool.change += V * here.own_change;
+            }
+        }
+    for (auto &pool : work->cells.pools)
+      pool.change /= pool.volume;
+    for (std::size_t p = 0; p < work->points.size(); ++p)
+      work->points[p].mean_change = work->cells.pool_of(p).change;
+    return {};
+  }
+
+  template <int dim>
+  std::string
+  MeanDilatation<dim>::find_own_stresses(const StepData<dim> &step,
+                                         const Iterate<dim>  &iterate) const
+  {
+    auto             &batch   = work->batch;
+    const double     *volumes = states.reference_volumes(step.points);
+    const std::string problem = states.for_each_group(
+      step.stencils, step.phases, [&](const Group &group) -> std::string {
+        for (unsigned int first = 0; first < group.n_points;
+             first += max_batch_points)
+          {
+            const std::size_t point = group.first_point + first;
+            begin_batch(group, first);
+            if (step.stencils.at_middle)
+              work->middle.to_start(batch);
+            states.read(step.points, group.body, point, batch);
+            rule.own_stress(states.material(group.body),
+                            batch,
+                            &work->points[point]);
+            states.write(batch, step.points, group.body, point, iterate.trial);
+            for (unsigned int q = 0; q < batch.n_points; ++q)
+              {
+                const CellPoint<dim> &here = work->points[point + q];
+                auto                 &pool = work->cells.pool_of(point + q);
+                pool.stress += volumes[point + q] * here.mean_stress;
+                pool.stress_end += volumes[point + q] * here.mean_stress_end;
+                pool.own_by_mean +=
+                  volumes[point + q] * here.mean_stress_by_mean;
+              }
+          }
+        return {};
+      });
+    for (auto &pool : work->cells.pools)
+      {
+        pool.stress /= pool.volume;
+        pool.own_by_mean /= pool.volume;
+        pool.stress_end /= pool.volume * (1. + pool.change);
+      }
+    double *ratios     = iterate.trial.component(volume_ratio_less_one);
+    double *cell_means = iterate.trial.component(mean_stress);
+    for (std::size_t p = 0; p < work->points.size(); ++p)
+      {
+        const CellPoint<dim> &here = work->points[p];
+        ratios[p] =
+          here.volume_ratio - 1. + here.volume_ratio * here.own_change;
+        cell_means[p] = work->cells.pool_of(p).stress_end;
+        work->box_scales[p] =
+          std::pow((1. + here.mean_change) / (1. + here.own_change), 0.5 / dim);
+      }
+    return problem;
+  }
+
+  template <int dim>
+  void
+  MeanDilatation<dim>::add_stresses(const StepData<dim> &step,
+                                    const Iterate<dim>  &iterate,
+                                    Matrix              *jacobian) const
+  {
+    const ActiveGrid<dim>       &active = *step.start.active;
+    auto                        &batch  = work->batch;
+    std::optional<BlockSum<dim>> sum;
+    constexpr unsigned int       few = 4; // points in a group
+    if (jacobian &&
+        step.stencils.particles.size() < few * step.stencils.groups.size())
+      sum.emplace(active.graph(), *jacobian);
+    for (const Group &group : step.stencils.groups)
+      {
+        const unsigned int *nodes = active.nodes(group);
+        if (jacobian && step.moving)
+          step.moving->begin_group(group.n_nodes);
+        else if (jacobian)
+          work->stiffness.reinit(group.n_nodes);
+        for (unsigned int first = 0; first < group.n_points;
+             first += max_batch_points)
+          {
+            const std::size_t point = group.first_point + first;
+            const double     *volumes =
+              states.reference_volumes(step.points) + point;
+            begin_batch(group, first);
+            find_whole_stresses(step, point);
+            for (unsigned int q = 0; q < batch.n_points; ++q)
+              work->energy +=
+                volumes[q] * scalar_product(batch.nominal_stress[q],
+                                            batch.displacement_gradient[q]);
+            add_forces(step.stencils,
+                       group,
+                       first,
+                       volumes,
+                       nodes,
+                       batch,
+                       work->nodal_force);
+            if (jacobian && step.moving)
+              step.moving->add({step,
+                                group,
+                                first,
+                                iterate.local_displacement,
+                                batch,
+                                work->middle,
+                                volumes,
+                                &work->box_scales[point]});
+            else if (jacobian)
+              work->stiffness.add(
+                {step.stencils, group, first, batch, volumes});
+          }
+        if (!jacobian)
+          continue;
+        const ComponentBlocks blocks =
+          step.moving ? step.moving->blocks() : work->stiffness.blocks();
+        if (sum)
+          sum->add(nodes, blocks);
+        else
+          active.graph().add(nodes, blocks, *jacobian);
+      }
+    if (sum)
+      sum->flush();
+  }
+
+  template <int dim>
+  void
+  MeanDilatation<dim>::find_whole_stresses(const StepData<dim> &step,
+                                           const std::size_t    point) const
+  {
+    auto &batch = work->batch;
+    if (step.stencils.at_middle)
+      work->middle.to_start(batch);
+    for (unsigned int q = 0; q < batch.n_points; ++q)
+      {
+        const std::size_t p    = point + q;
+        const auto       &pool = work->cells.pool_of(p);
+        const auto        link =
+          rule.whole_stress(work->points[p], pool.stress, q, batch);
+        if (!batch.with_tangent)
+          continue;
+        work->links[p] = link;
+        if (!step.stencils.at_middle)
+          continue;
+        // S-hat = P Z^T, and dH = Z dL Z
+        const Tensor<2, dim> Zt    = transpose(work->middle.from_start(q));
+        CellLink<dim>       &here  = work->links[p];
+        here.stress_by_mean_stress = link.stress_by_mean_stress * Zt;
+        here.stress_by_mean        = link.stress_by_mean * Zt;
+        here.change_by_H           = Zt * link.change_by_H * Zt;
+        here.mean_stress_by_H      = Zt * link.mean_stress_by_H * Zt;
+      }
+    if (step.stencils.at_middle)
+      work->middle.to_middle(batch);
+  }
+
+  template <int dim>
+  void
+  MeanDilatation<dim>::add_cells(const StepData<dim> &step,
+                                 const Iterate<dim>  &iterate,
+                                 Matrix              &jacobian) const
+  {
+    const ActiveGrid<dim>    &active  = *step.start.active;
+    const double             *volumes = states.reference_volumes(step.points);
+    std::vector<unsigned int> index_of(active.n_local_nodes());
+    std::vector<double>       share;
+    if (step.moving)
+      share.resize(dim * active.n_local_nodes());
+    CellVectors                vectors;
+    dealii::FullMatrix<double> block;
+    for (const auto &pool : work->cells.pools)
+      {
+        const unsigned int *nodes = active.coupled_nodes(pool.first_coupled);
+        const unsigned int  n     = pool.node_ids.size();
+        for (unsigned int a = 0; a < n; ++a)
+          index_of[nodes[a]] = a;
+        vectors.reinit(dim * n);
+        for (const std::size_t p : pool.points)
+          {
+            const double V0 = volumes[p];
+            add_point(step,
+                      iterate,
+                      p,
+                      {V0,
+                       V0 * work->points[p].volume_ratio / pool.volume,
+                       V0 / pool.volume},
+                      index_of,
+                      vectors);
+          }
+        for (unsigned int i = 0; i < dim * n; ++i)
+          vectors.pi[i] += pool.own_by_mean * vectors.t[i];
+        block.reinit(dim * n, dim * n, true);
+        for (unsigned int i = 0; i < dim * n; ++i)
+          for (unsigned int k = 0; k < dim * n; ++k)
+            block(i, k) =
+              vectors.s[i] * vectors.t[k] + vectors.n[i] * vectors.pi[k];
+        active.graph().add(nodes, block, jacobian);
+        if (!step.moving)
+          continue;
+        const double stress_shift =
+          vectors.pi_shift + pool.own_by_mean * vectors.t_shift;
+        for (unsigned int a = 0; a < n; ++a)
+          for (unsigned int c = 0; c < dim; ++c)
+            share[unknown<dim>(nodes[a], c)] +=
+              vectors.s[dim * a + c] * vectors.t_shift +
+              vectors.n[dim * a + c] * stress_shift;
+      }
+    if (step.moving)
+      step.moving->add_to_share(share);
+  }
+
+  template <int dim>
+  void
+  MeanDilatation<dim>::add_point(const StepData<dim>             &step,
+                                 const Iterate<dim>              &iterate,
+                                 const std::size_t                p,
+                                 const Weights                   &weights,
+                                 const std::vector<unsigned int> &index_of,
+                                 CellVectors                     &vectors) const
+  {
+    const Group &group = step.stencils.groups[work->cells.group_of_point[p]];
+    const unsigned int   q       = p - group.first_point;
+    const unsigned int  *nodes   = step.start.active->nodes(group);
+    const CellLink<dim> &link    = work->links[p];
+    const Tensor<2, dim> by_mean = weights.force * link.stress_by_mean,
+                         by_mean_stress =
+                           weights.force * link.stress_by_mean_stress,
+                         ratio    = weights.ratio * link.change_by_H,
+                         pressure = weights.stress * link.mean_stress_by_H;
+    for (unsigned int a = 0; a < group.n_nodes; ++a)
+      {
+        Tensor<1, dim> g;
+        for (unsigned int d = 0; d < dim; ++d)
+          g[d] = step.stencils.gradient(group, a, d)[q];
+        const unsigned int first = dim * index_of[nodes[a]];
+        const auto s = by_mean * g, n = by_mean_stress * g, t = ratio * g,
+                   pi = pressure * g;
+        for (unsigned int c = 0; c < dim; ++c)
+          {
+            vectors.s[first + c] += s[c];
+            vectors.n[first + c] += n[c];
+            vectors.t[first + c] += t[c];
+            vectors.pi[first + c] += pi[c];
+          }
+      }
+    if (!step.moving)
+      return;
+
+    // L changes with the place too, and the place with the motion
+    step.moving->differentiate(step, group, q, work->derivatives);
+    const auto &response = step.moving->response_of(p);
+    std::array<std::array<double, dim + 1>, dim> t_by_motion{}, pi_by_motion{};
+    for (unsigned int k = 0; k < step.moving->n_place_unknowns(); ++k)
+      {
+        Tensor<2, dim> L_by_q;
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double *slope = work->derivatives.gradient(k, d);
+            for (unsigned int a = 0; a < group.n_nodes; ++a)
+              for (unsigned int c = 0; c < dim; ++c)
+                L_by_q[c][d] +=
+                  iterate.local_displacement[unknown<dim>(nodes[a], c)] *
+                  slope[a];
+          }
+        const double t_by_q  = scalar_product(ratio, L_by_q),
+                     pi_by_q = scalar_product(pressure, L_by_q);
+        vectors.t_shift += t_by_q * response.shift[k];
+        vectors.pi_shift += pi_by_q * response.shift[k];
+        for (unsigned int j = 0; j < dim; ++j)
+          for (unsigned int l = 0; l <= dim; ++l)
+            {
+              t_by_motion[j][l] += t_by_q * response.by_motion[k][j][l];
+              pi_by_motion[j][l] += pi_by_q * response.by_motion[k][j][l];
+            }
+      }
+    for (unsigned int a = 0; a < group.n_nodes; ++a)
+      {
+        const unsigned int first = dim * index_of[nodes[a]];
+        for (unsigned int j = 0; j < dim; ++j)
+          for (unsigned int l = 0; l <= dim; ++l)
+            {
+              const double weight =
+                l == 0 ? step.stencils.value(group, a)[q]
+                       : step.stencils.gradient(group, a, l - 1)[q];
+              vectors.t[first + j] += t_by_motion[j][l] * weight;
+              vectors.pi[first + j] += pi_by_motion[j][l] * weight;
+            }
+      }
+  }
+
+  template <int dim>
+  std::vector<EnergyEntry>
+  MeanDilatation<dim>::energies(const StepData<dim> &step,
+                                const Vector &,
+                                const PointArrays<dim> &accepted) const
+  {
+    std::vector<EnergyEntry> entries = states.energies(step.points, accepted);
+    if (kind == Kind::conserving)
+      return entries;
+    double known = 0.;
+    for (const EnergyEntry &entry : entries)
+      known += entry.change;
+    entries.push_back({"stress_rule_loss",
+                       EnergyEntry::Kind::dissipated,
+                       work->energy - known});
+    return entries;
+  }
+
+  template <int dim>
+  std::vector<EnergyEntry>
+  MeanDilatation<dim>::energy_entries() const
+  {
+    std::vector<EnergyEntry> entries = states.energy_entries();
+    if (kind != Kind::conserving)
+      entries.push_back(
+        {"stress_rule_loss", EnergyEntry::Kind::dissipated, 0.});
+    return entries;
+  }
+
+  template class MeanDilatation<2>;
+  template class MeanDilatation<3>;
+} // namespace emmy
