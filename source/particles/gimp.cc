@@ -314,16 +314,23 @@ namespace emmy
                      above       = std::max(0., grid.upper_corner()[d] - x[d]);
         const UsedLength l =
           used_half_length(places.half_lengths[i][d], h, below, above);
-        const double  from_first = x[d] - group.origin[d];
-        const Overlap overlap =
-          overlap_along(below, l.value, h, grid.n_cells()[d]);
+        const double from_first = x[d] - group.origin[d];
+        if (n == 1) // a box in one cell is a point
+          {
+            const double xi = from_first / h, slope = 1. / h;
+            factors[d][0] = {1. - xi, -slope, -slope, 0., 0., 0.};
+            factors[d][1] = {xi, slope, slope, 0., 0., 0.};
+            continue;
+          }
+        // where the group has its nodes, boxes end in the outermost cells, or
+        // a hair beyond
         gimp_weights(from_first,
                      l.value,
                      h,
                      n,
                      weights.data(),
-                     overlap.beyond_lower,
-                     overlap.beyond_upper);
+                     /*beyond_lower=*/true,
+                     /*beyond_upper=*/true);
         // both ends of the box: hats and their slopes, by node
         const double a = (from_first - l.value) / h,
                      b = (from_first + l.value) / h - (n - 1);
@@ -341,15 +348,11 @@ namespace emmy
                          slope_b = j + 1 == n ? -1. / h
                                    : j == n   ? 1. / h
                                               : 0.;
-            double by_l = 0., slope_by_x = 0., slope_by_l = 0.;
-            if (n > 1) // in one cell a box is a point
-              {
-                const double twice = 2. * l.value;
-                by_l       = (at_a + at_b - 2. * weights[j].value) / twice;
-                slope_by_x = (slope_b - slope_a) / twice;
-                slope_by_l =
-                  (slope_b + slope_a - 2. * weights[j].slope) / twice;
-              }
+            const double twice   = 2. * l.value;
+            const double by_l = (at_a + at_b - 2. * weights[j].value) / twice;
+            const double slope_by_x = (slope_b - slope_a) / twice;
+            const double slope_by_l =
+              (slope_b + slope_a - 2. * weights[j].slope) / twice;
             factors[d][j] = {weights[j].value,
                              weights[j].slope,
                              weights[j].slope + by_l * l.by_x,

@@ -1,7 +1,46 @@
+#include <emmy/math/lanes.h>
 #include <emmy/particles/place_derivatives.h>
+
+#include <algorithm>
 
 namespace emmy
 {
+  namespace
+  {
+    /** The numbers of a Factor as they stand in it. */
+    enum Number
+    {
+      value,
+      slope,
+      value_by_x,
+      value_by_l,
+      slope_by_x,
+      slope_by_l,
+      n_numbers
+    };
+    static_assert(sizeof(Factor) == n_numbers * sizeof(double), "");
+
+    /** Products over the nodes of one number of each direction's factors. */
+    template <int dim>
+    void
+    multiply(const std::array<const double *, dim> &numbers,
+             const std::array<unsigned int, dim>   &n_along,
+             double                                *row)
+    {
+      const auto along_x = [&](const double others) {
+        for (unsigned int i = 0; i < n_along[0]; ++i)
+          *row++ = numbers[0][n_numbers * i] * others;
+      };
+      if constexpr (dim == 2)
+        for (unsigned int j = 0; j < n_along[1]; ++j)
+          along_x(numbers[1][n_numbers * j]);
+      else
+        for (unsigned int k = 0; k < n_along[2]; ++k)
+          for (unsigned int j = 0; j < n_along[1]; ++j)
+            along_x(numbers[1][n_numbers * j] * numbers[2][n_numbers * k]);
+    }
+  } // namespace
+
   template <int dim>
   void
   PlaceDerivatives<dim>::combine(const Factors<dim>                  &factors,
@@ -10,40 +49,40 @@ namespace emmy
     n_nodes = 1;
     for (const unsigned int n_here : n_along)
       n_nodes *= n_here;
-    values.resize(n * n_nodes);
-    gradients.resize(n * dim * n_nodes);
-    for (unsigned int a = 0; a < n_nodes; ++a)
+    n_padded = padded<dim>(n_nodes);
+    rows.resize_fast(n * n_weights * n_padded);
+    for (unsigned int k = 0; k < n; ++k)
       {
-        std::array<const Factor *, dim> f;
-        for (unsigned int d = 0, rest = a; d < dim; rest /= n_along[d++])
-          f[d] = &factors[d][rest % n_along[d]];
-        for (unsigned int e = 0; e < dim; ++e)
+        const unsigned int e        = k % dim;
+        const bool         is_box   = k >= dim;
+        double            *first    = &rows[k * n_weights * n_padded];
+        const auto         is_there = [&](const Factor &factor) {
+          return !is_box || factor.value_by_l != 0. || factor.slope_by_l != 0.;
+        };
+        depends[k] = std::any_of(factors[e].begin(),
+                                 factors[e].begin() + n_along[e],
+                                 is_there);
+        if (!depends[k])
           {
-            // of the value, and of all slopes, with x_e and l_e
-            double by_x = f[e]->value_by_x, by_l = f[e]->value_by_l;
-            for (unsigned int i = 0; i < dim; ++i)
+            std::fill_n(first, n_weights * n_padded, 0.);
+            continue;
+          }
+        for (unsigned int l = 0; l < n_weights; ++l)
+          {
+            std::array<const double *, dim> numbers;
+            for (unsigned int d = 0; d < dim; ++d)
               {
-                double slope_by_x =
-                         i == e ? f[e]->slope_by_x : f[e]->value_by_x,
-                       slope_by_l =
-                         i == e ? f[e]->slope_by_l : f[e]->value_by_l;
-                for (unsigned int d = 0; d < dim; ++d)
-                  if (d != e)
-                    {
-                      const double other = d == i ? f[d]->slope : f[d]->value;
-                      slope_by_x *= other;
-                      slope_by_l *= other;
-                    }
-                if (i != e)
-                  {
-                    by_x *= f[i]->value;
-                    by_l *= f[i]->value;
-                  }
-                gradients[(e * dim + i) * n_nodes + a]         = slope_by_x;
-                gradients[((dim + e) * dim + i) * n_nodes + a] = slope_by_l;
+                const bool is_slope = l == 1 + d;
+                const int  number =
+                  d != e ? (is_slope ? Number::slope : Number::value)
+                   : is_box
+                     ? (is_slope ? Number::slope_by_l : Number::value_by_l)
+                     : (is_slope ? Number::slope_by_x : Number::value_by_x);
+                numbers[d] = &factors[d][0].value + number;
               }
-            values[e * n_nodes + a]         = by_x;
-            values[(dim + e) * n_nodes + a] = by_l;
+            double *row = first + l * n_padded;
+            multiply<dim>(numbers, n_along, row);
+            std::fill(row + n_nodes, row + n_padded, 0.);
           }
       }
   }

@@ -5,18 +5,6 @@
 
 namespace emmy
 {
-  /** Nodes that stand side by side in the matrices of groups of points. */
-  template <int dim>
-  constexpr unsigned int node_lanes = (dim == 2) ? 4 : 8;
-
-  /** How many numbers a row over the nodes of a group has: full lanes. */
-  template <int dim>
-  constexpr unsigned int
-  padded(const unsigned int n_nodes)
-  {
-    return (n_nodes + node_lanes<dim> - 1) / node_lanes<dim> * node_lanes<dim>;
-  }
-
   /** As many points as have their rows in the first-level cache. */
   constexpr unsigned int most_points_at_once = 8;
 
