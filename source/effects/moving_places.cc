@@ -166,23 +166,24 @@ namespace emmy
   MovingPlaces<dim>::find_defect(const StepData<dim>       &step,
                                  const std::vector<double> &u)
   {
+    std::vector<double> motion;
     for (const Group &group : step.stencils.groups)
-      for (unsigned int q = 0; q < group.n_points; ++q)
-        {
-          const unsigned int *nodes = step.start.active->nodes(group);
-          const std::size_t   p     = group.first_point + q;
-          const auto         &sides =
-            rules.grid.size_of(places.cells[step.stencils.order[p]]);
-          for (unsigned int d = 0; d < dim; ++d)
-            {
-              double x = step.points.position(d)[p];
-              for (unsigned int a = 0; a < group.n_nodes; ++a)
-                x += 0.5 * step.stencils.value(group, a)[q] *
-                     u[unknown<dim>(nodes[a], d)];
-              x -= places.positions[step.stencils.order[p]][d];
-              defect = std::max(defect, std::abs(x) / sides[d]);
-            }
-        }
+      {
+        find_motions(step, group, u, /*with_gradients=*/false, motion);
+        for (unsigned int q = 0; q < group.n_points; ++q)
+          {
+            const std::size_t p     = group.first_point + q;
+            const std::size_t i     = step.stencils.order[p];
+            const auto       &sides = rules.grid.size_of(places.cells[i]);
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                const double x = step.points.position(d)[p] +
+                                 0.5 * motion[d * group.n_points + q] -
+                                 places.positions[i][d];
+                defect = std::max(defect, std::abs(x) / sides[d]);
+              }
+          }
+      }
   }
 
   template <int dim>
@@ -380,44 +381,65 @@ namespace emmy
   }
 
   template <int dim>
+  void
+  MovingPlaces<dim>::find_motions(const StepData<dim>       &step,
+                                  const Group               &group,
+                                  const std::vector<double> &u,
+                                  const bool                 with_gradients,
+                                  std::vector<double>       &motion) const
+  {
+    const unsigned int *nodes     = step.start.active->nodes(group);
+    const unsigned int  n         = group.n_points;
+    const unsigned int  n_weights = with_gradients ? dim + 1 : 1;
+    motion.assign(n_weights * dim * n, 0.);
+    for (unsigned int a = 0; a < group.n_nodes; ++a)
+      for (unsigned int l = 0; l < n_weights; ++l)
+        {
+          const double *weight = l == 0
+                                   ? step.stencils.value(group, a)
+                                   : step.stencils.gradient(group, a, l - 1);
+          for (unsigned int c = 0; c < dim; ++c)
+            {
+              const double u_a = u[unknown<dim>(nodes[a], c)];
+              double      *sum = &motion[(l * dim + c) * n];
+              for (unsigned int q = 0; q < n; ++q)
+                sum[q] += weight[q] * u_a;
+            }
+        }
+  }
+
+  template <int dim>
   Places<dim>
   MovingPlaces<dim>::moved(const StepData<dim>       &step,
                            const std::vector<double> &increment) const
   {
-    Places<dim> result = places;
+    Places<dim>         result = places;
+    std::vector<double> motion;
     for (const Group &group : step.stencils.groups)
-      for (unsigned int q = 0; q < group.n_points; ++q)
-        {
-          const unsigned int *nodes  = step.start.active->nodes(group);
-          const std::size_t   p      = group.first_point + q;
-          Tensor<1, nq>       change = responses[p].shift;
-          Vector              Su;
-          for (unsigned int a = 0; a < group.n_nodes; ++a)
-            for (unsigned int d = 0; d < dim; ++d)
-              Su[d] += step.stencils.value(group, a)[q] *
-                       increment[unknown<dim>(nodes[a], d)];
-          const auto L =
-            step.stencils.displacement_gradient(group, q, nodes, increment);
-          for (unsigned int k = 0; k < (has_boxes ? nq : dim); ++k)
-            for (unsigned int j = 0; j < dim; ++j)
-              {
-                const auto &by_motion = responses[p].by_motion[k][j];
-                change[k] += by_motion[0] * Su[j];
-                for (unsigned int d = 0; d < dim; ++d)
-                  change[k] += by_motion[1 + d] * L[j][d];
-              }
+      {
+        find_motions(step, group, increment, /*with_gradients=*/true, motion);
+        for (unsigned int q = 0; q < group.n_points; ++q)
+          {
+            const std::size_t p      = group.first_point + q;
+            Tensor<1, nq>     change = responses[p].shift;
+            for (unsigned int k = 0; k < (has_boxes ? nq : dim); ++k)
+              for (unsigned int j = 0; j < dim; ++j)
+                for (unsigned int l = 0; l <= dim; ++l)
+                  change[k] += responses[p].by_motion[k][j][l] *
+                               motion[(l * dim + j) * group.n_points + q];
 
-          const std::size_t  i = step.stencils.order[p];
-          dealii::Point<dim> x = places.positions[i];
-          for (unsigned int d = 0; d < dim; ++d)
-            {
-              x[d] += change[d];
-              if (!result.half_lengths.empty())
-                result.half_lengths[i][d] += change[dim + d];
-            }
-          result.positions[i] = rules.grid.clamped(x);
-          result.cells[i]     = rules.grid.key_of(result.positions[i]);
-        }
+            const std::size_t  i = step.stencils.order[p];
+            dealii::Point<dim> x = places.positions[i];
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                x[d] += change[d];
+                if (!result.half_lengths.empty())
+                  result.half_lengths[i][d] += change[dim + d];
+              }
+            result.positions[i] = rules.grid.clamped(x);
+            result.cells[i]     = rules.grid.key_of(result.positions[i]);
+          }
+      }
     return result;
   }
 

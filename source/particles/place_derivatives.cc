@@ -1,43 +1,31 @@
 #include <emmy/math/lanes.h>
 #include <emmy/particles/place_derivatives.h>
 
-#include <algorithm>
-
 namespace emmy
 {
   namespace
   {
-    /** The numbers of a Factor as they stand in it. */
-    enum Number
-    {
-      value,
-      slope,
-      value_by_x,
-      value_by_l,
-      slope_by_x,
-      slope_by_l,
-      n_numbers
-    };
-    static_assert(sizeof(Factor) == n_numbers * sizeof(double), "");
-
-    /** Products over the nodes of one number of each direction's factors. */
+    /**
+     * S,k and its slopes,k of a node, where k belongs to direction e: the
+     * product of the factors, with those of e differentiated.
+     */
     template <int dim>
-    void
-    multiply(const std::array<const double *, dim> &numbers,
-             const std::array<unsigned int, dim>   &n_along,
-             double                                *row)
+    inline void
+    set_node(const std::array<const Factor *, dim> &f,
+             const unsigned int                     e,
+             const double                           value_by_k,
+             const double                           slope_by_k,
+             double                                *of_node,
+             const unsigned int                     stride)
     {
-      const auto along_x = [&](const double others) {
-        for (unsigned int i = 0; i < n_along[0]; ++i)
-          *row++ = numbers[0][n_numbers * i] * others;
-      };
-      if constexpr (dim == 2)
-        for (unsigned int j = 0; j < n_along[1]; ++j)
-          along_x(numbers[1][n_numbers * j]);
-      else
-        for (unsigned int k = 0; k < n_along[2]; ++k)
-          for (unsigned int j = 0; j < n_along[1]; ++j)
-            along_x(numbers[1][n_numbers * j] * numbers[2][n_numbers * k]);
+      for (unsigned int l = 0; l <= dim; ++l)
+        {
+          double product = l == 1 + e ? slope_by_k : value_by_k;
+          for (unsigned int d = 0; d < dim; ++d)
+            if (d != e)
+              product *= l == 1 + d ? f[d]->slope : f[d]->value;
+          of_node[l * stride] = product;
+        }
     }
   } // namespace
 
@@ -51,40 +39,40 @@ namespace emmy
       n_nodes *= n_here;
     n_padded = padded<dim>(n_nodes);
     rows.resize_fast(n * n_weights * n_padded);
-    for (unsigned int k = 0; k < n; ++k)
+    for (unsigned int e = 0; e < dim; ++e)
       {
-        const unsigned int e        = k % dim;
-        const bool         is_box   = k >= dim;
-        double            *first    = &rows[k * n_weights * n_padded];
-        const auto         is_there = [&](const Factor &factor) {
-          return !is_box || factor.value_by_l != 0. || factor.slope_by_l != 0.;
-        };
-        depends[k] = std::any_of(factors[e].begin(),
-                                 factors[e].begin() + n_along[e],
-                                 is_there);
-        if (!depends[k])
-          {
-            std::fill_n(first, n_weights * n_padded, 0.);
-            continue;
-          }
-        for (unsigned int l = 0; l < n_weights; ++l)
-          {
-            std::array<const double *, dim> numbers;
-            for (unsigned int d = 0; d < dim; ++d)
-              {
-                const bool is_slope = l == 1 + d;
-                const int  number =
-                  d != e ? (is_slope ? Number::slope : Number::value)
-                   : is_box
-                     ? (is_slope ? Number::slope_by_l : Number::value_by_l)
-                     : (is_slope ? Number::slope_by_x : Number::value_by_x);
-                numbers[d] = &factors[d][0].value + number;
-              }
-            double *row = first + l * n_padded;
-            multiply<dim>(numbers, n_along, row);
-            std::fill(row + n_nodes, row + n_padded, 0.);
-          }
+        bool by_l = false;
+        for (unsigned int j = 0; j < n_along[e]; ++j)
+          by_l = by_l || factors[e][j].value_by_l != 0. ||
+                 factors[e][j].slope_by_l != 0.;
+        depends[e]       = true;
+        depends[dim + e] = by_l;
       }
+
+    std::array<unsigned int, dim> index{};
+    for (unsigned int a = 0; a < n_nodes; ++a)
+      {
+        std::array<const Factor *, dim> f;
+        for (unsigned int d = 0; d < dim; ++d)
+          f[d] = &factors[d][index[d]];
+        double *row = &rows[a];
+        for (unsigned int e = 0; e < dim; ++e, row += n_weights * n_padded)
+          set_node<dim>(
+            f, e, f[e]->value_by_x, f[e]->slope_by_x, row, n_padded);
+        for (unsigned int e = 0; e < dim; ++e, row += n_weights * n_padded)
+          if (depends[dim + e])
+            set_node<dim>(
+              f, e, f[e]->value_by_l, f[e]->slope_by_l, row, n_padded);
+        for (unsigned int d = 0; d < dim && ++index[d] == n_along[d]; ++d)
+          index[d] = 0;
+      }
+    for (unsigned int k = 0; k < n; ++k)
+      for (unsigned int l = 0; l < n_weights; ++l)
+        {
+          double *row = &rows[(k * n_weights + l) * n_padded];
+          for (unsigned int a = depends[k] ? n_nodes : 0; a < n_padded; ++a)
+            row[a] = 0.;
+        }
   }
 
   template struct PlaceDerivatives<2>;

@@ -160,6 +160,18 @@ namespace emmy
       PlaceDerivatives<dim> derivatives;
     };
 
+    /**
+     * How all points of a group move, Su and the columns of L after it:
+     * [(l dim + component) n_points + q], m and 1.
+     * @param u at the local nodes, m
+     */
+    void
+    find_motions(const StepData<dim>       &step,
+                 const Group               &group,
+                 const std::vector<double> &u,
+                 const bool                 with_gradients,
+                 std::vector<double>       &motion) const;
+
     /** Weights of some points of a batch, node by node. */
     void
     set_weights(const Points      &points,
