@@ -207,27 +207,50 @@ namespace emmy
     group.origin       = grid.corner(entry.first);
     group.left_out     = entry.left_out;
     group.first_node   = stencils.node_ids.size();
-    bool is_known      = true;
+    // each cell of the box once, and only if it is asked for
+    struct Known
+    {
+      bool is_looked_up = false, exists = false;
+      Cell cell;
+      std::array<dealii::types::global_dof_index,
+                 BackgroundGrid<dim>::nodes_per_cell>
+        ids;
+    };
+    std::array<Known, dealii::Utilities::pow(3, dim)> cells;
+    const auto known = [&](const auto &index) -> const Known & {
+      unsigned int i = 0;
+      for (unsigned int d = 0; d < dim; ++d)
+        i = 3 * i + index[d];
+      Known &result = cells[i];
+      if (!result.is_looked_up)
+        {
+          result.is_looked_up = true;
+          result.cell         = grid.cell_at(further<dim>(entry.first, index));
+          result.exists       = result.cell != grid.triangulation().end();
+          if (result.exists)
+            result.ids = grid.node_ids(result.cell);
+        }
+      return result;
+    };
+    bool is_known = true;
     for_each_node<dim>(group, [&](const unsigned int, const auto &index) {
       // a cell that has the node, and which of its vertices that is
-      CellKey<dim> lattice;
-      unsigned int vertex = 0;
+      std::array<unsigned int, dim> of_cell;
+      unsigned int                  vertex = 0;
       for (unsigned int d = 0; d < dim; ++d)
         {
-          lattice[d] = std::min(entry.first[d] + index[d], entry.last[d]);
-          vertex |= (entry.first[d] + index[d] - lattice[d]) << d;
+          of_cell[d] = std::min(index[d], n_nodes[d] - 2);
+          vertex |= (index[d] - of_cell[d]) << d;
         }
-      const Cell cell = grid.cell_at(lattice);
-      if (cell == grid.triangulation().end())
-        {
-          is_known = false;
-          return;
-        }
-      stencils.node_ids.push_back(grid.node_ids(cell)[vertex]);
+      const Known &cell = known(of_cell);
+      if (cell.exists)
+        stencils.node_ids.push_back(cell.ids[vertex]);
+      else
+        is_known = false;
     });
     group.n_nodes = stencils.node_ids.size() - group.first_node;
     for_each_cell_of<dim>(group, [&](const auto &index) {
-      overlapped.push_back(grid.cell_at(further<dim>(entry.first, index)));
+      overlapped.push_back(known(index).cell);
     });
     return is_known;
   }
