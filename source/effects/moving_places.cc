@@ -197,7 +197,8 @@ namespace emmy
       rows.resize_fast(size);
       std::fill(rows.begin(), rows.end(), 0.);
     };
-    begin(work.sum, dim * dim * n * n);
+    work.sum.resize_fast(dim * dim * n * n);
+    work.is_empty = true;
     begin(work.share, dim * n);
     begin(work.diagonal, n);
     work.u.resize_fast(dim * n);
@@ -225,10 +226,12 @@ namespace emmy
         for (unsigned int i = begin; i < end; ++i)
           add_point(points, i, i - begin);
         add_products<dim>(end - begin,
-                          n,
+                          work.n_nodes,
+                          work.is_empty,
                           work.by_motion.data(),
                           work.weights.data(),
                           work.sum.data());
+        work.is_empty = false;
       }
   }
 

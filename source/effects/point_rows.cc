@@ -124,15 +124,19 @@ namespace emmy
     template <int dim>
     EMMY_INLINE void
     products(const unsigned int n_points,
-             const unsigned int n,
+             const unsigned int n_nodes,
+             const bool         is_first,
              const double      *by_motion,
              const double      *weights,
              double            *sum)
     {
-      constexpr int n_weights = dim + 1;
+      constexpr int      n_weights = dim + 1;
+      const unsigned int n         = padded<dim>(n_nodes);
       add_node_products<dim, n_weights>(
         n_points,
+        n_nodes,
         n,
+        is_first,
         [&](const int q, const int i, const int l, const int j) {
           return by_motion + (((q * dim + i) * n_weights + l) * dim + j) * n;
         },
@@ -174,21 +178,23 @@ namespace emmy
 
     EMMY_CLONES void
     add_in_plane(const unsigned int n_points,
-                 const unsigned int n,
+                 const unsigned int n_nodes,
+                 const bool         is_first,
                  const double      *by_motion,
                  const double      *weights,
                  double            *sum)
     {
-      products<2>(n_points, n, by_motion, weights, sum);
+      products<2>(n_points, n_nodes, is_first, by_motion, weights, sum);
     }
     EMMY_CLONES void
     add_in_space(const unsigned int n_points,
-                 const unsigned int n,
+                 const unsigned int n_nodes,
+                 const bool         is_first,
                  const double      *by_motion,
                  const double      *weights,
                  double            *sum)
     {
-      products<3>(n_points, n, by_motion, weights, sum);
+      products<3>(n_points, n_nodes, is_first, by_motion, weights, sum);
     }
   } // namespace point_rows_kernels
 
@@ -216,23 +222,25 @@ namespace emmy
   template <int dim>
   void
   add_products(const unsigned int n_points,
-               const unsigned int n_padded,
+               const unsigned int n_nodes,
+               const bool         is_first,
                const double      *by_motion,
                const double      *weights,
                double            *sum)
   {
     if constexpr (dim == 2)
       point_rows_kernels::add_in_plane(
-        n_points, n_padded, by_motion, weights, sum);
+        n_points, n_nodes, is_first, by_motion, weights, sum);
     else
       point_rows_kernels::add_in_space(
-        n_points, n_padded, by_motion, weights, sum);
+        n_points, n_nodes, is_first, by_motion, weights, sum);
   }
 
 #define INSTANTIATE(dim)                              \
   template struct PointRows<dim>;                     \
   template void add_products<dim>(const unsigned int, \
                                   const unsigned int, \
+                                  const bool,         \
                                   const double *,     \
                                   const double *,     \
                                   double *);

@@ -145,7 +145,8 @@ namespace emmy
     struct Work
     {
       unsigned int n_nodes = 0, n_padded = 0;
-      Rows         u;   ///< by component
+      bool         is_empty = true; ///< no points of the group yet
+      Rows         u;               ///< by component
       Rows         sum; ///< [((i dim + j) n_padded + a) n_padded + b]
       Rows         share, diagonal; ///< see PointRows
 

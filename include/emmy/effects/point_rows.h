@@ -59,11 +59,13 @@ namespace emmy
   /**
    * Add by_motion times weights of some points, sum over l, to their matrix
    * over the nodes, [((i dim + j) n_padded + a) n_padded + b].
+   * @param is_first whether the matrix is to begin with these points
    */
   template <int dim>
   void
   add_products(const unsigned int n_points,
-               const unsigned int n_padded,
+               const unsigned int n_nodes,
+               const bool         is_first,
                const double      *by_motion,
                const double      *weights,
                double            *sum);
