@@ -13,7 +13,8 @@ namespace emmy
     /** Points and nodes as plain arrays, as CellMatrix has them. */
     struct Arrays
     {
-      unsigned int  n_points, n_padded;
+      unsigned int  n_points, n_nodes, n_padded;
+      bool          is_first;
       const double *slopes, *tangents, *volumes;
       double       *products, *sum;
     };
@@ -51,7 +52,9 @@ namespace emmy
       const unsigned int n = arrays.n_padded;
       add_node_products<dim, dim>(
         arrays.n_points,
+        arrays.n_nodes,
         n,
+        arrays.is_first,
         [&](const int q, const int, const int J, const int) {
           return arrays.slopes + (q * dim + J) * n;
         },
@@ -87,9 +90,8 @@ namespace emmy
     this->n_nodes = n_nodes;
     n_padded      = padded<dim>(n_nodes);
     sum.resize_fast(dim * dim * n_padded * n_padded);
-    std::fill(sum.begin(), sum.end(), 0.);
+    is_empty = true;
     slopes.resize_fast(most_points_at_once * dim * n_padded);
-    std::fill(slopes.begin(), slopes.end(), 0.);
     products.resize_fast(most_points_at_once * dim * dim * dim * n_padded);
   }
 
@@ -111,8 +113,13 @@ namespace emmy
               for (unsigned int q = 0; q < n; ++q)
                 slopes[(q * dim + L) * n_padded + a] = slope[q];
             }
+        for (unsigned int row = 0; row < n * dim; ++row)
+          for (unsigned int a = n_nodes; a < n_padded; ++a)
+            slopes[row * n_padded + a] = 0.;
         const Arrays arrays{n,
+                            n_nodes,
                             n_padded,
+                            is_empty,
                             slopes.data(),
                             points.batch.tangent[begin].begin_raw(),
                             points.volumes + begin,
@@ -122,6 +129,7 @@ namespace emmy
           cell_matrix_kernels::add_in_plane(arrays);
         else
           cell_matrix_kernels::add_in_space(arrays);
+        is_empty = false;
       }
   }
 

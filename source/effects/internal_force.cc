@@ -103,7 +103,7 @@ namespace emmy
     if (!jacobian)
       return {};
     const ComponentBlocks blocks =
-      step.moving ? step.moving->blocks() : work.stiffness.blocks();
+      step.moving ? step.moving->finish_group(nodes) : work.stiffness.blocks();
     if (work.sum)
       work.sum->add(nodes, blocks);
     else

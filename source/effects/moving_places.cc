@@ -1,7 +1,6 @@
 #include <emmy/effects/inertia.h>
 #include <emmy/effects/moving_places.h>
 #include <emmy/effects/node_lanes.h>
-#include <emmy/effects/point_rows.h>
 #include <emmy/transfer/mass_blocks.h>
 
 #include <algorithm>
@@ -26,8 +25,11 @@ namespace emmy
           for (int k = i + 1; k < n; ++k)
             if (std::abs(matrix[k][i]) > std::abs(matrix[pivot][i]))
               pivot = k;
-          std::swap(matrix[i], matrix[pivot]);
-          std::swap(inverse[i], inverse[pivot]);
+          if (pivot != i)
+            {
+              std::swap(matrix[i], matrix[pivot]);
+              std::swap(inverse[i], inverse[pivot]);
+            }
           const double scale = 1. / matrix[i][i];
           matrix[i] *= scale;
           inverse[i] *= scale;
@@ -41,6 +43,79 @@ namespace emmy
         }
       return inverse;
     }
+
+    /**
+     * (I - Q_q)^-1 (Q - q), and (I - Q_q)^-1 times Q_u, where Q depends on
+     * n_used coordinates of the place: they decide by themselves, and the
+     * others follow.
+     * @param from_place Q - q
+     * @param box        null: it stays
+     */
+    template <int dim, int n_used>
+    typename MovingPlaces<dim>::Response
+    response_to(const PointRows<dim>     &point,
+                const Tensor<1, 2 * dim> &from_place,
+                const MiddleBox<dim>     *box)
+    {
+      Tensor<2, n_used> matrix;           // I - Q_q
+      double            Q_q[dim][n_used]; // of the box
+      for (int k = 0; k < n_used; ++k)
+        for (int d = 0; d < dim; ++d)
+          {
+            const auto &motion = point.motion_by_q[k];
+            matrix[d][k]       = (d == k ? 1. : 0.) - 0.5 * motion[0][d];
+            double sum         = 0.;
+            for (int c = 0; box && c < dim; ++c)
+              for (int e = 0; e < dim; ++e)
+                sum += box->by_L[d][c][e] * motion[1 + e][c];
+            Q_q[d][k] = sum;
+          }
+      for (int r = dim; r < n_used; ++r)
+        for (int k = 0; k < n_used; ++k)
+          matrix[r][k] = (r == k ? 1. : 0.) - Q_q[point.used[r] - dim][k];
+      Tensor<2, n_used> inverse;
+      if constexpr (n_used == dim)
+        inverse = invert(matrix);
+      else
+        inverse = inverse_of(matrix);
+
+      typename MovingPlaces<dim>::Response result;
+      for (int r = 0; r < n_used; ++r)
+        {
+          const unsigned int k = point.used[r];
+          for (int s = 0; s < n_used; ++s)
+            result.shift[k] += inverse[r][s] * from_place[point.used[s]];
+          for (int j = 0; j < dim; ++j)
+            {
+              auto &by_motion = result.by_motion[k][j];
+              by_motion[0]    = 0.5 * inverse[r][j];
+              for (int s = dim; s < n_used; ++s)
+                for (int d = 0; d < dim; ++d)
+                  by_motion[1 + d] +=
+                    inverse[r][s] * box->by_L[point.used[s] - dim][j][d];
+            }
+        }
+      for (unsigned int e = 0, r = dim; box && e < dim; ++e)
+        if (r < n_used && point.used[r] == dim + e)
+          ++r;
+        else // a length on which no weight depends
+          {
+            const unsigned int k = dim + e;
+            result.shift[k]      = from_place[k];
+            for (int j = 0; j < dim; ++j)
+              for (int d = 0; d < dim; ++d)
+                result.by_motion[k][j][1 + d] = box->by_L[e][j][d];
+            for (int s = 0; s < n_used; ++s)
+              {
+                const unsigned int from = point.used[s];
+                result.shift[k] += Q_q[e][s] * result.shift[from];
+                for (int j = 0; j < dim; ++j)
+                  result.by_motion[k][j] +=
+                    Q_q[e][s] * result.by_motion[from][j];
+              }
+          }
+      return result;
+    }
   } // namespace
 
   template <int dim>
@@ -51,7 +126,7 @@ namespace emmy
     , mass(rules.layout["mass"])
     , velocity(rules.layout["velocity"])
     , responses(places.size())
-    , n_used(rules.domain_update && !places.half_lengths.empty() ? nq : dim)
+    , has_boxes(rules.domain_update && !places.half_lengths.empty())
   {}
 
   template <int dim>
@@ -91,44 +166,44 @@ namespace emmy
   MovingPlaces<dim>::find_defect(const StepData<dim>       &step,
                                  const std::vector<double> &u)
   {
+    std::vector<double> motion;
     for (const Group &group : step.stencils.groups)
-      for (unsigned int q = 0; q < group.n_points; ++q)
-        {
-          const unsigned int *nodes = step.start.active->nodes(group);
-          const std::size_t   p     = group.first_point + q;
-          const auto         &sides =
-            rules.grid.size_of(places.cells[step.stencils.order[p]]);
-          for (unsigned int d = 0; d < dim; ++d)
-            {
-              double x = step.points.position(d)[p];
-              for (unsigned int a = 0; a < group.n_nodes; ++a)
-                x += 0.5 * step.stencils.value(group, a)[q] *
-                     u[unknown<dim>(nodes[a], d)];
-              x -= places.positions[step.stencils.order[p]][d];
-              defect = std::max(defect, std::abs(x) / sides[d]);
-            }
-        }
+      {
+        find_motions(step, group, u, /*with_gradients=*/false, motion);
+        for (unsigned int q = 0; q < group.n_points; ++q)
+          {
+            const std::size_t p     = group.first_point + q;
+            const std::size_t i     = step.stencils.order[p];
+            const auto       &sides = rules.grid.size_of(places.cells[i]);
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                const double x = step.points.position(d)[p] +
+                                 0.5 * motion[d * group.n_points + q] -
+                                 places.positions[i][d];
+                defect = std::max(defect, std::abs(x) / sides[d]);
+              }
+          }
+      }
   }
 
   template <int dim>
   void
   MovingPlaces<dim>::begin_group(const unsigned int n_nodes)
   {
-    const auto reinit = [](Rows &rows, const unsigned int size) {
+    const unsigned int n = padded<dim>(n_nodes);
+    work.n_nodes         = n_nodes;
+    work.n_padded        = n;
+    const auto begin     = [](Rows &rows, const unsigned int size) {
       rows.resize_fast(size);
       std::fill(rows.begin(), rows.end(), 0.);
     };
-    const unsigned int n = padded<dim>(n_nodes);
-    reinit(work.sum, dim * dim * n * n);
-    if (work.n_nodes == n_nodes)
-      return; // rows end with zeros already
-    work.n_nodes  = n_nodes;
-    work.n_padded = n;
-    reinit(work.u, dim * n);
-    reinit(work.weights, most_points_at_once * (dim + 1) * n);
-    reinit(work.by_motion, most_points_at_once * dim * (dim + 1) * dim * n);
-    reinit(work.weights_by_q, nq * (dim + 1) * n);
-    reinit(work.force_by_q, nq * dim * n);
+    work.sum.resize_fast(dim * dim * n * n);
+    work.is_empty = true;
+    begin(work.share, dim * n);
+    begin(work.diagonal, n);
+    work.u.resize_fast(dim * n);
+    work.weights.resize_fast(most_points_at_once * (dim + 1) * n);
+    work.by_motion.resize_fast(most_points_at_once * dim * (dim + 1) * dim * n);
   }
 
   template <int dim>
@@ -136,238 +211,210 @@ namespace emmy
   MovingPlaces<dim>::add(const Points &points)
   {
     const unsigned int *nodes = points.step.start.active->nodes(points.group);
-    for (unsigned int c = 0; c < dim; ++c)
-      for (unsigned int a = 0; a < work.n_nodes; ++a)
-        work.u[c * work.n_padded + a] =
+    const unsigned int  n     = work.n_padded;
+    std::fill(work.u.begin(), work.u.end(), 0.);
+    for (unsigned int a = 0; a < work.n_nodes; ++a)
+      for (unsigned int c = 0; c < dim; ++c)
+        work.u[c * n + a] =
           points.local_displacement[unknown<dim>(nodes[a], c)];
-    work.n_points = 0;
-    for (unsigned int i = 0; i < points.batch.n_points; ++i)
+    for (unsigned int begin = 0; begin < points.batch.n_points;
+         begin += most_points_at_once)
       {
-        add_point(points, i);
-        if (++work.n_points == most_points_at_once)
-          add_up();
+        const unsigned int end =
+          std::min(begin + most_points_at_once, points.batch.n_points);
+        set_weights(points, begin, end);
+        for (unsigned int i = begin; i < end; ++i)
+          add_point(points, i, i - begin);
+        add_products<dim>(end - begin,
+                          work.n_nodes,
+                          work.is_empty,
+                          work.by_motion.data(),
+                          work.weights.data(),
+                          work.sum.data());
+        work.is_empty = false;
       }
-    add_up();
   }
 
   template <int dim>
   void
-  MovingPlaces<dim>::add_up()
+  MovingPlaces<dim>::set_weights(const Points      &points,
+                                 const unsigned int begin,
+                                 const unsigned int end)
   {
-    add_products<dim>(work.n_points,
-                      work.n_padded,
-                      work.by_motion.data(),
-                      work.weights.data(),
-                      work.sum.data());
-    work.n_points = 0;
+    const unsigned int n = work.n_padded;
+    const auto         place =
+      [&](const double *of_points, const unsigned int a, const unsigned int l) {
+        double *to = &work.weights[l * n + a];
+        for (unsigned int q = points.first + begin; q < points.first + end;
+             ++q, to += (dim + 1) * n)
+          *to = of_points ? of_points[q] : 0.;
+      };
+    const Stencils<dim> &stencils = points.step.stencils;
+    for (unsigned int a = 0; a < work.n_nodes; ++a)
+      {
+        place(stencils.value(points.group, a), a, 0);
+        for (unsigned int d = 0; d < dim; ++d)
+          place(stencils.gradient(points.group, a, d), a, 1 + d);
+      }
+    for (unsigned int a = work.n_nodes; a < n; ++a)
+      for (unsigned int l = 0; l <= dim; ++l)
+        place(nullptr, a, l);
   }
 
   template <int dim>
   ComponentBlocks
-  MovingPlaces<dim>::blocks() const
+  MovingPlaces<dim>::finish_group(const unsigned int *nodes)
   {
     const std::size_t n = work.n_padded;
+    for (unsigned int a = 0; a < work.n_nodes; ++a)
+      for (unsigned int i = 0; i < dim; ++i)
+        {
+          share[unknown<dim>(nodes[a], i)] += work.share[i * n + a];
+          work.sum[((i * dim + i) * n + a) * n + a] += work.diagonal[a];
+        }
     return {work.sum.data(), work.n_nodes, dim * n * n, n * n, n};
   }
 
   template <int dim>
   void
   MovingPlaces<dim>::add_point(const Points      &points,
-                               const unsigned int in_batch)
+                               const unsigned int in_batch,
+                               const unsigned int at)
   {
     const Stencils<dim> &stencils = points.step.stencils;
-    const Group         &group    = points.group;
-    const unsigned int   q        = points.first + in_batch;
-    const std::size_t    p        = group.first_point + q;
-    const unsigned int   n        = work.n_padded;
-    double              *weights = &work.weights[work.n_points * (dim + 1) * n];
-    for (unsigned int a = 0; a < work.n_nodes; ++a)
-      {
-        weights[a] = stencils.value(group, a)[q];
-        for (unsigned int d = 0; d < dim; ++d)
-          weights[(1 + d) * n + a] = stencils.gradient(group, a, d)[q];
-      }
+    const std::size_t    p = points.group.first_point + points.first + in_batch;
+    const unsigned int   n = work.n_padded;
     rules.shape_functions.differentiate(
-      places, stencils.order[p], group, rules.grid, work.derivatives);
-    for (unsigned int k = 0; k < n_used; ++k)
-      for (unsigned int l = 0; l <= dim; ++l)
-        std::copy_n(l == 0 ? work.derivatives.value(k)
-                           : work.derivatives.gradient(k, l - 1),
-                    work.n_nodes,
-                    &work.weights_by_q[(k * (dim + 1) + l) * n]);
-    const Motion here = motion();
-    responses[p]      = response(points, in_batch, here);
-    find_rows(points, in_batch, here, responses[p]);
-  }
+      places, stencils.order[p], points.group, rules.grid, work.derivatives);
 
-  template <int dim>
-  typename MovingPlaces<dim>::Motion
-  MovingPlaces<dim>::motion() const
-  {
-    const unsigned int n       = work.n_padded;
-    const double      *weights = &work.weights[work.n_points * (dim + 1) * n];
-    const auto         sum     = [&](const double *row, const unsigned int c) {
-      const double *u      = &work.u[c * n];
-      double        result = 0.;
-      for (unsigned int a = 0; a < work.n_nodes; ++a)
-        result += row[a] * u[a];
-      return result;
-    };
-    Motion result;
-    for (unsigned int c = 0; c < dim; ++c)
+    PointRows<dim> point;
+    point.n_padded = n;
+    point.n_used   = 0;
+    for (unsigned int k = 0; k < (has_boxes ? nq : dim); ++k)
+      if (work.derivatives.depends[k])
+        point.used[point.n_used++] = k;
+    point.u            = work.u.data();
+    point.weights      = &work.weights[at * (dim + 1) * n];
+    point.weights_by_q = work.derivatives.rows.data();
+    point.by_motion    = &work.by_motion[at * dim * (dim + 1) * dim * n];
+    point.share        = work.share.data();
+    point.diagonal     = work.diagonal.data();
+    point.find_motion();
+    responses[p] = response(points, in_batch, point);
+    set_force(points, in_batch, point);
+    for (unsigned int k = 0; k < point.n_used; ++k)
       {
-        result.Su[c] = sum(weights, c);
-        for (unsigned int k = 0; k < n_used; ++k)
-          {
-            const double *by_q   = &work.weights_by_q[k * (dim + 1) * n];
-            result.Su_by_q[k][c] = sum(by_q, c);
-            for (unsigned int d = 0; d < dim; ++d)
-              result.L_by_q[k][c][d] = sum(by_q + (1 + d) * n, c);
-          }
+        point.shift[k] = responses[p].shift[point.used[k]];
+        for (unsigned int j = 0; j < dim; ++j)
+          for (unsigned int l = 0; l <= dim; ++l)
+            point.by_motion_of_q[k][j][l] =
+              responses[p].by_motion[point.used[k]][j][l];
       }
-    return result;
+    point.find_rows();
   }
 
   template <int dim>
   typename MovingPlaces<dim>::Response
-  MovingPlaces<dim>::response(const Points      &points,
-                              const unsigned int in_batch,
-                              const Motion      &motion)
+  MovingPlaces<dim>::response(const Points         &points,
+                              const unsigned int    in_batch,
+                              const PointRows<dim> &point)
   {
     const StepData<dim> &step = points.step;
     const std::size_t    p = points.group.first_point + points.first + in_batch;
     const std::size_t    i = step.stencils.order[p];
-    const bool           has_box = n_used > dim;
-    MiddleBox<dim>       box;
-    if (has_box)
-      box = rules.domain_update->middle(step.points,
-                                        p,
-                                        points.group.body,
-                                        points.middle.from_start(in_batch));
-    if (has_box && points.box_scales)
+    MiddleBox<dim>       middle;
+    if (has_boxes)
+      middle = rules.domain_update->middle(step.points,
+                                           p,
+                                           points.group.body,
+                                           points.middle.from_start(in_batch));
+    if (has_boxes && points.box_scales)
       for (unsigned int d = 0; d < dim; ++d)
         {
-          box.half_length[d] *= points.box_scales[in_batch];
-          box.by_L[d] *= points.box_scales[in_batch];
+          middle.half_length[d] *= points.box_scales[in_batch];
+          middle.by_L[d] *= points.box_scales[in_batch];
         }
     const auto   &sides = rules.grid.size_of(places.cells[i]);
     Tensor<1, nq> from_place; // Q - q
-    Tensor<2, nq> matrix;     // I - Q_q
     for (unsigned int d = 0; d < dim; ++d)
       {
-        from_place[d] = step.points.position(d)[p] + 0.5 * motion.Su[d] -
+        from_place[d] = step.points.position(d)[p] + 0.5 * point.Su[d] -
                         places.positions[i][d];
         defect = std::max(defect, std::abs(from_place[d]) / sides[d]);
-        if (has_box)
-          from_place[dim + d] = box.half_length[d] - places.half_lengths[i][d];
-        for (unsigned int k = 0; k < n_used; ++k)
-          {
-            matrix[d][k] = (d == k ? 1. : 0.) - 0.5 * motion.Su_by_q[k][d];
-            matrix[dim + d][k] = (dim + d == k ? 1. : 0.) -
-                                 scalar_product(box.by_L[d], motion.L_by_q[k]);
-          }
+        if (has_boxes)
+          from_place[dim + d] =
+            middle.half_length[d] - places.half_lengths[i][d];
       }
-    Tensor<2, nq> inverse;
-    if (has_box)
-      inverse = inverse_of(matrix);
-    else
-      {
-        Tensor<2, dim> of_position;
-        for (unsigned int d = 0; d < dim; ++d)
-          for (unsigned int k = 0; k < dim; ++k)
-            of_position[d][k] = matrix[d][k];
-        of_position = inverse_of(of_position);
-        for (unsigned int d = 0; d < dim; ++d)
-          for (unsigned int k = 0; k < dim; ++k)
-            inverse[d][k] = of_position[d][k];
-      }
-    Response result;
-    result.shift = inverse * from_place;
-    for (unsigned int k = 0; k < n_used; ++k)
-      for (unsigned int j = 0; j < dim; ++j)
-        {
-          result.by_motion[k][j][0] = 0.5 * inverse[k][j];
-          for (unsigned int e = 0; has_box && e < dim; ++e)
-            for (unsigned int d = 0; d < dim; ++d)
-              result.by_motion[k][j][1 + d] +=
-                inverse[k][dim + e] * box.by_L[e][j][d];
-        }
-    return result;
+    const MiddleBox<dim> *box = has_boxes ? &middle : nullptr;
+    if (point.n_used == dim)
+      return response_to<dim, dim>(point, from_place, box);
+    if (point.n_used == dim + 1)
+      return response_to<dim, dim + 1>(point, from_place, box);
+    if constexpr (dim == 3)
+      if (point.n_used == dim + 2)
+        return response_to<dim, dim + 2>(point, from_place, box);
+    return response_to<dim, 2 * dim>(point, from_place, box);
   }
 
   template <int dim>
   void
-  MovingPlaces<dim>::find_rows(const Points      &points,
+  MovingPlaces<dim>::set_force(const Points      &points,
                                const unsigned int in_batch,
-                               const Motion      &motion,
-                               const Response    &response)
+                               PointRows<dim>    &point) const
   {
     // the force of a point at a node is S_A w + T grad S_A, with
     // w = m 2/dt (Su/dt - v) - b; lumped mass sees u_A in place of Su
     const StepData<dim> &step = points.step;
     const std::size_t    p = points.group.first_point + points.first + in_batch;
-    const unsigned int   n = work.n_padded;
     const double         rate    = 2. / step.time_step;
     const double         m       = step.points.component(mass)[p];
     const double         inertia = inertia_factor(step.time_step) * m;
     const double         volume  = points.volumes[in_batch];
 
-    PointRows<dim> point;
-    point.n_padded     = n;
-    point.n_used       = n_used;
-    point.u            = work.u.data();
-    point.weights      = &work.weights[work.n_points * (dim + 1) * n];
-    point.weights_by_q = work.weights_by_q.data();
-    point.force_by_q   = work.force_by_q.data();
-    point.by_motion =
-      &work.by_motion[work.n_points * dim * (dim + 1) * dim * n];
-    point.lumped     = rules.mapping.lumping * inertia;
-    point.consistent = inertia - point.lumped;
+    point.lumped      = rules.mapping.lumping * inertia;
+    point.consistent  = inertia - point.lumped;
+    point.on_diagonal = point.lumped + damping_of(inertia, 0.);
+    point.least       = damping_of(0., inertia);
     for (unsigned int r = 0; r < dim * dim; ++r)
       for (unsigned int c = 0; c < dim * dim; ++c)
         point.tangent[r][c] = volume * points.batch.tangent[in_batch][r][c];
     for (unsigned int i = 0; i < dim; ++i)
       {
-        point.w[i] = point.consistent * motion.Su[i] -
+        point.w[i] = point.consistent * point.Su[i] -
                      rate * m * step.points.component(velocity + i)[p];
         if (!point_forces.empty())
           point.w[i] -= point_forces[dim * p + i];
         for (unsigned int J = 0; J < dim; ++J)
           point.T[i][J] = volume * points.batch.nominal_stress[in_batch][i][J];
       }
-    for (unsigned int k = 0; k < n_used; ++k)
-      for (unsigned int i = 0; i < dim; ++i)
-        {
-          point.w_by_q[k][i] = point.consistent * motion.Su_by_q[k][i];
-          for (unsigned int J = 0; J < dim; ++J)
-            {
-              double sum = 0.;
-              for (unsigned int c = 0; c < dim; ++c)
-                for (unsigned int d = 0; d < dim; ++d)
-                  sum += point.tangent[i * dim + J][c * dim + d] *
-                         motion.L_by_q[k][c][d];
-              point.T_by_q[k][i][J] = sum;
-            }
-          for (unsigned int l = 0; l <= dim; ++l)
-            point.by_motion_of_q[k][i][l] = response.by_motion[k][i][l];
-        }
-    point.find_force_by_q();
-    point.find_by_motion();
+  }
 
-    const unsigned int *nodes = step.start.active->nodes(points.group);
-    for (unsigned int a = 0; a < work.n_nodes; ++a)
-      {
-        const double of_node = point.lumped * point.weights[a] +
-                               damping_of(inertia * point.weights[a], inertia);
-        for (unsigned int i = 0; i < dim; ++i)
-          {
-            double sum = 0.;
-            for (unsigned int k = 0; k < n_used; ++k)
-              sum += work.force_by_q[(k * dim + i) * n + a] * response.shift[k];
-            share[unknown<dim>(nodes[a], i)] += sum;
-            work.sum[((i * dim + i) * n + a) * n + a] += of_node;
-          }
-      }
+  template <int dim>
+  void
+  MovingPlaces<dim>::find_motions(const StepData<dim>       &step,
+                                  const Group               &group,
+                                  const std::vector<double> &u,
+                                  const bool                 with_gradients,
+                                  std::vector<double>       &motion) const
+  {
+    const unsigned int *nodes     = step.start.active->nodes(group);
+    const unsigned int  n         = group.n_points;
+    const unsigned int  n_weights = with_gradients ? dim + 1 : 1;
+    motion.assign(n_weights * dim * n, 0.);
+    for (unsigned int a = 0; a < group.n_nodes; ++a)
+      for (unsigned int l = 0; l < n_weights; ++l)
+        {
+          const double *weight = l == 0
+                                   ? step.stencils.value(group, a)
+                                   : step.stencils.gradient(group, a, l - 1);
+          for (unsigned int c = 0; c < dim; ++c)
+            {
+              const double u_a = u[unknown<dim>(nodes[a], c)];
+              double      *sum = &motion[(l * dim + c) * n];
+              for (unsigned int q = 0; q < n; ++q)
+                sum[q] += weight[q] * u_a;
+            }
+        }
   }
 
   template <int dim>
@@ -375,40 +422,33 @@ namespace emmy
   MovingPlaces<dim>::moved(const StepData<dim>       &step,
                            const std::vector<double> &increment) const
   {
-    Places<dim> result = places;
+    Places<dim>         result = places;
+    std::vector<double> motion;
     for (const Group &group : step.stencils.groups)
-      for (unsigned int q = 0; q < group.n_points; ++q)
-        {
-          const unsigned int *nodes  = step.start.active->nodes(group);
-          const std::size_t   p      = group.first_point + q;
-          Tensor<1, nq>       change = responses[p].shift;
-          Vector              Su;
-          for (unsigned int a = 0; a < group.n_nodes; ++a)
-            for (unsigned int d = 0; d < dim; ++d)
-              Su[d] += step.stencils.value(group, a)[q] *
-                       increment[unknown<dim>(nodes[a], d)];
-          const auto L =
-            step.stencils.displacement_gradient(group, q, nodes, increment);
-          for (unsigned int k = 0; k < n_used; ++k)
-            for (unsigned int j = 0; j < dim; ++j)
-              {
-                const auto &by_motion = responses[p].by_motion[k][j];
-                change[k] += by_motion[0] * Su[j];
-                for (unsigned int d = 0; d < dim; ++d)
-                  change[k] += by_motion[1 + d] * L[j][d];
-              }
+      {
+        find_motions(step, group, increment, /*with_gradients=*/true, motion);
+        for (unsigned int q = 0; q < group.n_points; ++q)
+          {
+            const std::size_t p      = group.first_point + q;
+            Tensor<1, nq>     change = responses[p].shift;
+            for (unsigned int k = 0; k < (has_boxes ? nq : dim); ++k)
+              for (unsigned int j = 0; j < dim; ++j)
+                for (unsigned int l = 0; l <= dim; ++l)
+                  change[k] += responses[p].by_motion[k][j][l] *
+                               motion[(l * dim + j) * group.n_points + q];
 
-          const std::size_t  i = step.stencils.order[p];
-          dealii::Point<dim> x = places.positions[i];
-          for (unsigned int d = 0; d < dim; ++d)
-            {
-              x[d] += change[d];
-              if (!result.half_lengths.empty())
-                result.half_lengths[i][d] += change[dim + d];
-            }
-          result.positions[i] = rules.grid.clamped(x);
-          result.cells[i]     = rules.grid.key_of(result.positions[i]);
-        }
+            const std::size_t  i = step.stencils.order[p];
+            dealii::Point<dim> x = places.positions[i];
+            for (unsigned int d = 0; d < dim; ++d)
+              {
+                x[d] += change[d];
+                if (!result.half_lengths.empty())
+                  result.half_lengths[i][d] += change[dim + d];
+              }
+            result.positions[i] = rules.grid.clamped(x);
+            result.cells[i]     = rules.grid.key_of(result.positions[i]);
+          }
+      }
     return result;
   }
 

@@ -8,9 +8,49 @@ namespace emmy
 {
   namespace
   {
+    /** The sum over the lanes. */
+    EMMY_INLINE double
+    sum_of(const LanesOf<4>::type &x)
+    {
+      return (x[0] + x[1]) + (x[2] + x[3]);
+    }
+    EMMY_INLINE double
+    sum_of(const LanesOf<8>::type &x)
+    {
+      return ((x[0] + x[1]) + (x[2] + x[3])) + ((x[4] + x[5]) + (x[6] + x[7]));
+    }
+
     template <int dim>
     EMMY_INLINE void
-    force_by_q(const PointRows<dim> &point)
+    motion(PointRows<dim> &point)
+    {
+      using Nodes                  = typename LanesOf<node_lanes<dim>>::type;
+      constexpr int      n_weights = dim + 1;
+      const unsigned int n         = point.n_padded / node_lanes<dim>;
+      const auto        *u         = reinterpret_cast<const Nodes *>(point.u);
+      const auto         sums      = [&](const double *row, double *result) {
+        const auto *of_node = reinterpret_cast<const Nodes *>(row);
+        Nodes       sum[dim];
+        for (int c = 0; c < dim; ++c)
+          sum[c] = of_node[0] * u[c * n];
+        for (unsigned int a = 1; a < n; ++a)
+          for (int c = 0; c < dim; ++c)
+            sum[c] += of_node[a] * u[c * n + a];
+        for (int c = 0; c < dim; ++c)
+          result[c] = sum_of(sum[c]);
+      };
+      sums(point.weights, point.Su);
+      for (unsigned int k = 0; k < point.n_used; ++k)
+        for (int l = 0; l < n_weights; ++l)
+          sums(point.weights_by_q +
+                 (point.used[k] * n_weights + l) * point.n_padded,
+               point.motion_by_q[k][l]);
+    }
+
+    /** With so many coordinates of the place. */
+    template <int dim, int n_used>
+    EMMY_INLINE void
+    rows(const PointRows<dim> &point)
     {
       using Nodes                  = typename LanesOf<node_lanes<dim>>::type;
       constexpr int      n_weights = dim + 1;
@@ -18,67 +58,85 @@ namespace emmy
       const auto        *u         = reinterpret_cast<const Nodes *>(point.u);
       const auto *weights = reinterpret_cast<const Nodes *>(point.weights);
       const auto *by_q    = reinterpret_cast<const Nodes *>(point.weights_by_q);
-      auto       *result  = reinterpret_cast<Nodes *>(point.force_by_q);
-      for (unsigned int a = 0; a < n; ++a)
-        for (unsigned int k = 0; k < point.n_used; ++k)
+      auto       *result  = reinterpret_cast<Nodes *>(point.by_motion);
+      auto       *share   = reinterpret_cast<Nodes *>(point.share);
+      auto       *diagonal = reinterpret_cast<Nodes *>(point.diagonal);
+
+      double w_by_q[n_used][dim], T_by_q[n_used][dim][dim];
+      for (int k = 0; k < n_used; ++k)
+        for (int i = 0; i < dim; ++i)
           {
-            Nodes here[n_weights];
-            for (int l = 0; l < n_weights; ++l)
-              here[l] = by_q[(k * n_weights + l) * n + a];
-            for (int i = 0; i < dim; ++i)
+            w_by_q[k][i] = point.consistent * point.motion_by_q[k][0][i];
+            for (int J = 0; J < dim; ++J)
               {
-                Nodes sum =
-                  here[0] * (point.lumped * u[i * n + a] + point.w[i]);
-                sum += point.w_by_q[k][i] * weights[a];
-                for (int J = 0; J < dim; ++J)
-                  sum += point.T[i][J] * here[1 + J] +
-                         point.T_by_q[k][i][J] * weights[(1 + J) * n + a];
-                result[(k * dim + i) * n + a] = sum;
+                double sum = 0.;
+                for (int c = 0; c < dim; ++c)
+                  for (int d = 0; d < dim; ++d)
+                    sum += point.tangent[i * dim + J][c * dim + d] *
+                           point.motion_by_q[k][1 + d][c];
+                T_by_q[k][i][J] = sum;
               }
           }
-    }
 
-    template <int dim>
-    EMMY_INLINE void
-    by_motion(const PointRows<dim> &point)
-    {
-      using Nodes                  = typename LanesOf<node_lanes<dim>>::type;
-      constexpr int      n_weights = dim + 1;
-      const unsigned int n         = point.n_padded / node_lanes<dim>;
-      const auto *weights = reinterpret_cast<const Nodes *>(point.weights);
-      const auto *force   = reinterpret_cast<const Nodes *>(point.force_by_q);
-      auto       *result  = reinterpret_cast<Nodes *>(point.by_motion);
       for (unsigned int a = 0; a < n; ++a)
-        for (int i = 0; i < dim; ++i)
+        {
+          Nodes weight[n_weights], force_by_q[n_used][dim];
           for (int l = 0; l < n_weights; ++l)
-            for (int j = 0; j < dim; ++j)
-              {
-                // where places stay a sum of the weights
-                Nodes sum =
-                  (l == 0 && i == j ? point.consistent : 0.) * weights[a];
-                if (l > 0)
+            weight[l] = weights[l * n + a];
+          for (int k = 0; k < n_used; ++k)
+            {
+              const Nodes *here = by_q + point.used[k] * n_weights * n + a;
+              for (int i = 0; i < dim; ++i)
+                {
+                  Nodes sum =
+                    here[0] * (point.lumped * u[i * n + a] + point.w[i]) +
+                    w_by_q[k][i] * weight[0];
                   for (int J = 0; J < dim; ++J)
-                    sum += point.tangent[i * dim + J][j * dim + l - 1] *
-                           weights[(1 + J) * n + a];
-                for (unsigned int k = 0; k < point.n_used; ++k)
-                  sum += point.by_motion_of_q[k][j][l] *
-                         force[(k * dim + i) * n + a];
-                result[((i * n_weights + l) * dim + j) * n + a] = sum;
-              }
+                    sum += point.T[i][J] * here[(1 + J) * n] +
+                           T_by_q[k][i][J] * weight[1 + J];
+                  force_by_q[k][i] = sum;
+                }
+            }
+          diagonal[a] += point.on_diagonal * weight[0] + point.least;
+          for (int i = 0; i < dim; ++i)
+            for (int k = 0; k < n_used; ++k)
+              share[i * n + a] += point.shift[k] * force_by_q[k][i];
+          for (int i = 0; i < dim; ++i)
+            for (int l = 0; l < n_weights; ++l)
+              for (int j = 0; j < dim; ++j)
+                {
+                  // where places stay a sum of the weights
+                  Nodes sum =
+                    (l == 0 && i == j ? point.consistent : 0.) * weight[0];
+                  if (l > 0)
+                    for (int J = 0; J < dim; ++J)
+                      sum += point.tangent[i * dim + J][j * dim + l - 1] *
+                             weight[1 + J];
+                  // the position alone does not follow L
+                  if (l == 0 || n_used > dim)
+                    for (int k = 0; k < n_used; ++k)
+                      sum += point.by_motion_of_q[k][j][l] * force_by_q[k][i];
+                  result[((i * n_weights + l) * dim + j) * n + a] = sum;
+                }
+        }
     }
 
     template <int dim>
     EMMY_INLINE void
     products(const unsigned int n_points,
-             const unsigned int n,
+             const unsigned int n_nodes,
+             const bool         is_first,
              const double      *by_motion,
              const double      *weights,
              double            *sum)
     {
-      constexpr int n_weights = dim + 1;
+      constexpr int      n_weights = dim + 1;
+      const unsigned int n         = padded<dim>(n_nodes);
       add_node_products<dim, n_weights>(
         n_points,
+        n_nodes,
         n,
+        is_first,
         [&](const int q, const int i, const int l, const int j) {
           return by_motion + (((q * dim + i) * n_weights + l) * dim + j) * n;
         },
@@ -92,73 +150,97 @@ namespace emmy
   // no templates: those have no clones
   namespace point_rows_kernels
   {
-#define KERNELS(dim)                                            \
-  EMMY_CLONES void find_force_by_q(const PointRows<dim> &point) \
-  {                                                             \
-    force_by_q<dim>(point);                                     \
-  }                                                             \
-  EMMY_CLONES void find_by_motion(const PointRows<dim> &point)  \
-  {                                                             \
-    by_motion<dim>(point);                                      \
+#define KERNELS(dim)                                        \
+  EMMY_CLONES void find_motion(PointRows<dim> &point)       \
+  {                                                         \
+    motion<dim>(point);                                     \
+  }                                                         \
+  EMMY_CLONES void in_one_cell(const PointRows<dim> &point) \
+  {                                                         \
+    rows<dim, dim>(point);                                  \
+  }                                                         \
+  EMMY_CLONES void across_one(const PointRows<dim> &point)  \
+  {                                                         \
+    rows<dim, dim + 1>(point);                              \
+  }                                                         \
+  EMMY_CLONES void across_two(const PointRows<dim> &point)  \
+  {                                                         \
+    rows<dim, dim + 2>(point);                              \
   }
     KERNELS(2)
     KERNELS(3)
 #undef KERNELS
+    EMMY_CLONES void
+    across_three(const PointRows<3> &point)
+    {
+      rows<3, 6>(point);
+    }
 
     EMMY_CLONES void
     add_in_plane(const unsigned int n_points,
-                 const unsigned int n,
+                 const unsigned int n_nodes,
+                 const bool         is_first,
                  const double      *by_motion,
                  const double      *weights,
                  double            *sum)
     {
-      products<2>(n_points, n, by_motion, weights, sum);
+      products<2>(n_points, n_nodes, is_first, by_motion, weights, sum);
     }
     EMMY_CLONES void
     add_in_space(const unsigned int n_points,
-                 const unsigned int n,
+                 const unsigned int n_nodes,
+                 const bool         is_first,
                  const double      *by_motion,
                  const double      *weights,
                  double            *sum)
     {
-      products<3>(n_points, n, by_motion, weights, sum);
+      products<3>(n_points, n_nodes, is_first, by_motion, weights, sum);
     }
   } // namespace point_rows_kernels
 
   template <int dim>
   void
-  PointRows<dim>::find_force_by_q() const
+  PointRows<dim>::find_motion()
   {
-    point_rows_kernels::find_force_by_q(*this);
+    point_rows_kernels::find_motion(*this);
   }
 
   template <int dim>
   void
-  PointRows<dim>::find_by_motion() const
+  PointRows<dim>::find_rows() const
   {
-    point_rows_kernels::find_by_motion(*this);
+    if (n_used == dim)
+      point_rows_kernels::in_one_cell(*this);
+    else if (n_used == dim + 1)
+      point_rows_kernels::across_one(*this);
+    else if (n_used == dim + 2)
+      point_rows_kernels::across_two(*this);
+    else if constexpr (dim == 3)
+      point_rows_kernels::across_three(*this);
   }
 
   template <int dim>
   void
   add_products(const unsigned int n_points,
-               const unsigned int n_padded,
+               const unsigned int n_nodes,
+               const bool         is_first,
                const double      *by_motion,
                const double      *weights,
                double            *sum)
   {
     if constexpr (dim == 2)
       point_rows_kernels::add_in_plane(
-        n_points, n_padded, by_motion, weights, sum);
+        n_points, n_nodes, is_first, by_motion, weights, sum);
     else
       point_rows_kernels::add_in_space(
-        n_points, n_padded, by_motion, weights, sum);
+        n_points, n_nodes, is_first, by_motion, weights, sum);
   }
 
 #define INSTANTIATE(dim)                              \
   template struct PointRows<dim>;                     \
   template void add_products<dim>(const unsigned int, \
                                   const unsigned int, \
+                                  const bool,         \
                                   const double *,     \
                                   const double *,     \
                                   double *);

@@ -203,34 +203,56 @@ namespace emmy
     Stencils<dim>                &stencils,
     std::vector<ActiveCell<dim>> &overlapped) const
   {
-    const auto n_nodes          = nodes_of<dim>(entry.first, entry.last);
-    group.n_along               = n_nodes;
-    group.origin                = grid.corner(entry.first);
-    group.left_out              = entry.left_out;
-    group.first_node            = stencils.node_ids.size();
-    bool               is_known = true;
-    const unsigned int field    = grid.fields().of_body(entry.body);
+    const auto n_nodes       = nodes_of<dim>(entry.first, entry.last);
+    group.n_along            = n_nodes;
+    group.origin             = grid.corner(entry.first);
+    group.left_out           = entry.left_out;
+    group.first_node         = stencils.node_ids.size();
+    const unsigned int field = grid.fields().of_body(entry.body);
+    // each cell of the box once, and only if it is asked for
+    struct Known
+    {
+      bool is_looked_up = false, exists = false;
+      Cell cell;
+      std::array<dealii::types::global_dof_index,
+                 BackgroundGrid<dim>::nodes_per_cell>
+        ids;
+    };
+    std::array<Known, dealii::Utilities::pow(3, dim)> cells;
+    const auto known = [&](const auto &index) -> const Known & {
+      unsigned int i = 0;
+      for (unsigned int d = 0; d < dim; ++d)
+        i = 3 * i + index[d];
+      Known &result = cells[i];
+      if (!result.is_looked_up)
+        {
+          result.is_looked_up = true;
+          result.cell         = grid.cell_at(further<dim>(entry.first, index));
+          result.exists       = result.cell != grid.triangulation().end();
+          if (result.exists)
+            result.ids = grid.node_ids(result.cell, field);
+        }
+      return result;
+    };
+    bool is_known = true;
     for_each_node<dim>(group, [&](const unsigned int, const auto &index) {
       // a cell that has the node, and which of its vertices that is
-      CellKey<dim> lattice;
-      unsigned int vertex = 0;
+      std::array<unsigned int, dim> of_cell;
+      unsigned int                  vertex = 0;
       for (unsigned int d = 0; d < dim; ++d)
         {
-          lattice[d] = std::min(entry.first[d] + index[d], entry.last[d]);
-          vertex |= (entry.first[d] + index[d] - lattice[d]) << d;
+          of_cell[d] = std::min(index[d], n_nodes[d] - 2);
+          vertex |= (index[d] - of_cell[d]) << d;
         }
-      const Cell cell = grid.cell_at(lattice);
-      if (cell == grid.triangulation().end())
-        {
-          is_known = false;
-          return;
-        }
-      stencils.node_ids.push_back(grid.node_ids(cell, field)[vertex]);
+      const Known &cell = known(of_cell);
+      if (cell.exists)
+        stencils.node_ids.push_back(cell.ids[vertex]);
+      else
+        is_known = false;
     });
     group.n_nodes = stencils.node_ids.size() - group.first_node;
     for_each_cell_of<dim>(group, [&](const auto &index) {
-      overlapped.push_back(
-        {grid.cell_at(further<dim>(entry.first, index)), field});
+      overlapped.push_back({known(index).cell, field});
     });
     return is_known;
   }
@@ -317,16 +339,23 @@ namespace emmy
                      above       = std::max(0., grid.upper_corner()[d] - x[d]);
         const UsedLength l =
           used_half_length(places.half_lengths[i][d], h, below, above);
-        const double  from_first = x[d] - group.origin[d];
-        const Overlap overlap =
-          overlap_along(below, l.value, h, grid.n_cells()[d]);
+        const double from_first = x[d] - group.origin[d];
+        if (n == 1) // a box in one cell is a point
+          {
+            const double xi = from_first / h, slope = 1. / h;
+            factors[d][0] = {1. - xi, -slope, -slope, 0., 0., 0.};
+            factors[d][1] = {xi, slope, slope, 0., 0., 0.};
+            continue;
+          }
+        // where the group has its nodes, boxes end in the outermost cells, or
+        // a hair beyond
         gimp_weights(from_first,
                      l.value,
                      h,
                      n,
                      weights.data(),
-                     overlap.beyond_lower,
-                     overlap.beyond_upper);
+                     /*beyond_lower=*/true,
+                     /*beyond_upper=*/true);
         // both ends of the box: hats and their slopes, by node
         const double a = (from_first - l.value) / h,
                      b = (from_first + l.value) / h - (n - 1);
@@ -344,15 +373,11 @@ namespace emmy
                          slope_b = j + 1 == n ? -1. / h
                                    : j == n   ? 1. / h
                                               : 0.;
-            double by_l = 0., slope_by_x = 0., slope_by_l = 0.;
-            if (n > 1) // in one cell a box is a point
-              {
-                const double twice = 2. * l.value;
-                by_l       = (at_a + at_b - 2. * weights[j].value) / twice;
-                slope_by_x = (slope_b - slope_a) / twice;
-                slope_by_l =
-                  (slope_b + slope_a - 2. * weights[j].slope) / twice;
-              }
+            const double twice   = 2. * l.value;
+            const double by_l = (at_a + at_b - 2. * weights[j].value) / twice;
+            const double slope_by_x = (slope_b - slope_a) / twice;
+            const double slope_by_l =
+              (slope_b + slope_a - 2. * weights[j].slope) / twice;
             factors[d][j] = {weights[j].value,
                              weights[j].slope,
                              weights[j].slope + by_l * l.by_x,

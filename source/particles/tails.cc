@@ -1,5 +1,6 @@
 #include <deal.II/base/utilities.h>
 
+#include <emmy/math/lanes.h>
 #include <emmy/particles/tails.h>
 
 #include <algorithm>
@@ -131,30 +132,28 @@ namespace emmy
                         PlaceDerivatives<dim> &derivatives) const
   {
     PlaceDerivatives<dim> part;
-    const auto            subtract = [](const std::vector<double> &from_here,
-                             std::vector<double>       &left) {
-      for (unsigned int i = 0; i < left.size(); ++i)
-        left[i] -= from_here[i];
-    };
     for (const Factors<dim> &product : products(factors))
       {
         part.combine(product, n_along);
-        subtract(part.values, derivatives.values);
-        subtract(part.gradients, derivatives.gradients);
+        for (unsigned int i = 0; i < part.rows.size(); ++i)
+          derivatives.rows[i] -= part.rows[i];
       }
     // rows over the nodes of the box become rows over those that are reached
-    const std::uint64_t out      = left_out();
-    const unsigned int  n_in_box = derivatives.n_nodes;
-    const auto          shorten  = [&](std::vector<double> &rows) {
-      std::size_t end = 0;
-      for (std::size_t i = 0; i < rows.size(); ++i)
-        if (!(out >> i % n_in_box & 1))
-          rows[end++] = rows[i];
-      rows.resize(end);
-    };
-    shorten(derivatives.values);
-    shorten(derivatives.gradients);
-    derivatives.n_nodes = derivatives.values.size() / derivatives.n;
+    const std::uint64_t         out    = left_out();
+    const PlaceDerivatives<dim> in_box = derivatives;
+    derivatives.n_nodes                = 0;
+    for (unsigned int a = 0; a < in_box.n_nodes; ++a)
+      derivatives.n_nodes += !(out >> a & 1);
+    derivatives.n_padded = padded<dim>(derivatives.n_nodes);
+    derivatives.rows.clear();
+    derivatives.rows.resize(in_box.n * in_box.n_weights * derivatives.n_padded);
+    double *row = derivatives.rows.data();
+    for (unsigned int k = 0; k < in_box.n; ++k)
+      for (unsigned int l = 0; l < in_box.n_weights;
+           ++l, row += derivatives.n_padded)
+        for (unsigned int a = 0, end = 0; a < in_box.n_nodes; ++a)
+          if (!(out >> a & 1))
+            row[end++] = in_box.row(k, l)[a];
   }
 
   template class Tails<2>;

@@ -136,7 +136,17 @@ namespace emmy
   std::unique_ptr<StepEquation<dim>>
   Balance<dim>::over(const StepData<dim> &step) const
   {
-    return std::make_unique<StepEquation<dim>>(*this, step);
+    return over(step, step.points);
+  }
+
+  template <int dim>
+  std::unique_ptr<StepEquation<dim>>
+  Balance<dim>::over(const StepData<dim> &step,
+                     PointArrays<dim>     trial_states) const
+  {
+    return std::make_unique<StepEquation<dim>>(*this,
+                                               step,
+                                               std::move(trial_states));
   }
 
   template <int dim>

@@ -2,6 +2,7 @@
 #include <emmy/step/middle_equation.h>
 
 #include <algorithm>
+#include <optional>
 
 namespace emmy
 {
@@ -9,6 +10,23 @@ namespace emmy
   {
     /** How often places may move before they stay where they are. */
     constexpr unsigned int most_moves = 12;
+
+    /** Whether points of the same bodies reach the same nodes and cells. */
+    template <int dim>
+    bool
+    have_same_nodes(const Stencils<dim> &a, const Stencils<dim> &b)
+    {
+      return a.groups.size() == b.groups.size() && a.node_ids == b.node_ids &&
+             std::equal(a.groups.begin(),
+                        a.groups.end(),
+                        b.groups.begin(),
+                        [](const auto &one, const auto &other) {
+                          return one.body == other.body &&
+                                 one.first_node == other.first_node &&
+                                 one.origin == other.origin;
+                        }) &&
+             a.active_cells == b.active_cells;
+    }
   } // namespace
 
   template <int dim>
@@ -43,33 +61,29 @@ namespace emmy
       agree_on_problem(start.rules.grid.communicator(), problem_of(places));
     if (!found.empty())
       return;
-    const auto                   before = active;
-    std::unique_ptr<Ground<dim>> next   = std::make_unique<Ground<dim>>();
+    const auto before = active;
+    auto       next   = std::make_unique<Ground<dim>>();
     {
       const auto timed = start.phases->scope("stencils");
       next->stencils =
         start.rules.shape_functions.evaluate(places, start.rules.grid);
       next->stencils.at_middle = true;
     }
-    {
-      const auto timed = start.phases->scope("gather");
-      next->points     = reordered(start.states, next->stencils);
-    }
-    {
-      const auto timed = start.phases->scope("particles to grid");
-      if (!on_grid) // classes are those of the first places
-        start.balance.classify(next->stencils,
-                               next->points,
-                               start.rules.grid,
-                               start.phases);
-      on_grid = &start.particles_to_grid.renew_but_for_mass(
-        next->stencils,
-        next->points,
-        start.balance.couplings(next->stencils,
-                                start.rules.grid,
-                                start.boundary_conditions,
-                                start.phases));
-    }
+    // particles often stand in the order of before
+    const bool has_order =
+      current && next->stencils.order == current->stencils.order;
+    std::optional<PointArrays<dim>> trial;
+    if (has_order)
+      {
+        trial        = std::move(step_equation->trial());
+        next->points = std::move(current->points);
+      }
+    else
+      {
+        const auto timed = start.phases->scope("gather");
+        next->points     = reordered(start.states, next->stencils);
+      }
+    renew_nodes(*next);
     active = on_grid->active;
     if (solution && before != active)
       {
@@ -83,15 +97,44 @@ namespace emmy
                ? nullptr
                : std::make_unique<MovingPlaces<dim>>(start.rules, places);
     step_equation.reset();
-    current          = std::move(next);
-    const auto timed = start.phases->scope("loads and matrices");
-    step_equation    = start.balance.over({current->stencils,
-                                           current->points,
-                                           *on_grid,
-                                           start.time,
-                                           start.time_step,
-                                           start.phases,
-                                           moving.get()});
+    current                   = std::move(next);
+    const auto          timed = start.phases->scope("loads and matrices");
+    const StepData<dim> step{current->stencils,
+                             current->points,
+                             *on_grid,
+                             start.time,
+                             start.time_step,
+                             start.phases,
+                             moving.get()};
+    step_equation = trial ? start.balance.over(step, std::move(*trial))
+                          : start.balance.over(step);
+  }
+
+  template <int dim>
+  void
+  MiddleEquation<dim>::renew_nodes(const Ground<dim> &next)
+  {
+    const auto timed     = start.phases->scope("particles to grid");
+    const bool has_nodes = dealii::Utilities::MPI::min(
+      current && have_same_nodes(next.stencils, current->stencils) ? 1 : 0,
+      start.rules.grid.communicator());
+    if (has_nodes)
+      {
+        start.particles_to_grid.renew_momentum(next.stencils, next.points);
+        return;
+      }
+    if (!on_grid) // classes are those of the first places
+      start.balance.classify(next.stencils,
+                             next.points,
+                             start.rules.grid,
+                             start.phases);
+    on_grid = &start.particles_to_grid.renew_but_for_mass(
+      next.stencils,
+      next.points,
+      start.balance.couplings(next.stencils,
+                              start.rules.grid,
+                              start.boundary_conditions,
+                              start.phases));
   }
 
   template <int dim>

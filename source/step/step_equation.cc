@@ -18,13 +18,14 @@ namespace emmy
 
   template <int dim>
   StepEquation<dim>::StepEquation(const Balance<dim>  &balance,
-                                  const StepData<dim> &step)
+                                  const StepData<dim> &step,
+                                  PointArrays<dim>     trial_states)
     : balance(balance)
     , step(step)
     , external_force(step.start.active->make_vector())
     , full_residual(step.start.active->make_vector())
     , free_residual(step.start.active->make_vector())
-    , trial_states(step.points)
+    , trial_states(std::move(trial_states))
   {
     tangent.reinit(step.start.active->sparsity());
     if (balance.has_loads())

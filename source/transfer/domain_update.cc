@@ -142,14 +142,7 @@ namespace emmy
         const dealii::Tensor<2, dim> F = Z * deformation(states, p);
         MiddleBox<dim>               box;
         if (is_stretch)
-          {
-            const auto C = right_cauchy_green(F);
-            for (unsigned int d = 0; d < dim; ++d)
-              {
-                box.half_length[d] = stretch(C, d);
-                box.by_L[d]        = stretch_by_L(C, F, Z, d);
-              }
-          }
+          set_stretches(right_cauchy_green(F), F, Z, box);
         else
           for (unsigned int d = 0; d < dim; ++d)
             {
@@ -190,29 +183,40 @@ namespace emmy
       }
 
       /**
-       * dU_dd/dL: with eigenvectors v_i of F^T F and stretches s_i,
+       * U_dd and dU_dd/dL: with eigenvectors v_i of F^T F and stretches s_i,
        * dU_dd = sum_ij v_id v_jd v_i.dC v_j / (s_i + s_j).
        */
-      static dealii::Tensor<2, dim>
-      stretch_by_L(const SpectralDecomposition<dim> &C,
-                   const dealii::Tensor<2, dim>     &F,
-                   const dealii::Tensor<2, dim>     &Z,
-                   const unsigned int                d)
+      static void
+      set_stretches(const SpectralDecomposition<dim> &C,
+                    const dealii::Tensor<2, dim>     &F,
+                    const dealii::Tensor<2, dim>     &Z,
+                    MiddleBox<dim>                   &box)
       {
         const dealii::Tensor<2, dim> f = F * C.vectors;
         const dealii::Tensor<2, dim> z = transpose(Z) * f;
-        dealii::Tensor<2, dim>       result;
+        dealii::Tensor<1, dim>       s;
+        dealii::Tensor<2, dim>       weight; // 1 / (s_i + s_j)
         for (unsigned int i = 0; i < dim; ++i)
-          for (unsigned int j = 0; j < dim; ++j)
-            {
-              const double factor =
-                C.vectors[d][i] * C.vectors[d][j] /
-                (std::sqrt(C.values[i]) + std::sqrt(C.values[j]));
-              for (unsigned int a = 0; a < dim; ++a)
-                for (unsigned int b = 0; b < dim; ++b)
-                  result[a][b] += factor * z[a][j] * f[b][i];
-            }
-        return result;
+          {
+            s[i] = std::sqrt(C.values[i]);
+            for (unsigned int j = 0; j <= i; ++j)
+              weight[i][j] = weight[j][i] = 1. / (s[i] + s[j]);
+          }
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            const dealii::Tensor<1, dim> v = C.vectors[d];
+            for (unsigned int i = 0; i < dim; ++i)
+              {
+                box.half_length[d] += s[i] * v[i] * v[i];
+                dealii::Tensor<1, dim> sum;
+                for (unsigned int j = 0; j < dim; ++j)
+                  for (unsigned int a = 0; a < dim; ++a)
+                    sum[a] += v[j] * weight[i][j] * z[a][j];
+                for (unsigned int a = 0; a < dim; ++a)
+                  for (unsigned int b = 0; b < dim; ++b)
+                    box.by_L[d][a][b] += v[i] * sum[a] * f[b][i];
+              }
+          }
       }
 
       static std::vector<double>

@@ -42,25 +42,38 @@ namespace emmy
                  std::vector<double>       &result)
   {
     // m S_A of a point meets (1 - epsilon) S u + epsilon u_A
+    std::vector<double> Su; // of the points of a group, by component
     for (const auto &group : stencils.groups)
       {
         const unsigned int *nodes = start.active->nodes(group);
-        for (unsigned int p = 0; p < group.n_points; ++p)
+        const unsigned int  n     = group.n_points;
+        const double       *m     = masses + group.first_point;
+        Su.assign(dim * n, 0.);
+        for (unsigned int a = 0; a < group.n_nodes; ++a)
+          for (unsigned int c = 0; c < dim; ++c)
+            {
+              const double *S   = stencils.value(group, a);
+              const double  u_a = u[unknown<dim>(nodes[a], c)];
+              for (unsigned int p = 0; p < n; ++p)
+                Su[c * n + p] += S[p] * u_a;
+            }
+        for (unsigned int c = 0; c < dim; ++c)
+          for (unsigned int p = 0; p < n; ++p)
+            Su[c * n + p] *= m[p] * (1. - start.lumping);
+        for (unsigned int a = 0; a < group.n_nodes; ++a)
           {
-            const double           m = masses[group.first_point + p];
-            dealii::Tensor<1, dim> Su;
-            for (unsigned int a = 0; a < group.n_nodes; ++a)
-              for (unsigned int c = 0; c < dim; ++c)
-                Su[c] +=
-                  stencils.value(group, a)[p] * u[unknown<dim>(nodes[a], c)];
-            Su *= 1. - start.lumping;
-            for (unsigned int a = 0; a < group.n_nodes; ++a)
-              for (unsigned int c = 0; c < dim; ++c)
-                {
-                  const unsigned int i = unknown<dim>(nodes[a], c);
-                  result[i] += m * stencils.value(group, a)[p] *
-                               (Su[c] + start.lumping * u[i]);
-                }
+            const double *S      = stencils.value(group, a);
+            double        lumped = 0.;
+            for (unsigned int p = 0; start.lumping > 0. && p < n; ++p)
+              lumped += start.lumping * m[p] * S[p];
+            for (unsigned int c = 0; c < dim; ++c)
+              {
+                const unsigned int i   = unknown<dim>(nodes[a], c);
+                double             sum = lumped * u[i];
+                for (unsigned int p = 0; p < n; ++p)
+                  sum += S[p] * Su[c * n + p];
+                result[i] += sum;
+              }
           }
       }
     start.hand_out_added_mass([&](const MassBlock &block) {

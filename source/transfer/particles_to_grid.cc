@@ -107,6 +107,15 @@ namespace emmy
 
   template <int dim>
   GridStart<dim> &
+  ParticlesToGrid<dim>::renew_momentum(const Stencils<dim>    &stencils,
+                                       const PointArrays<dim> &points)
+  {
+    assemble_momentum(stencils, points);
+    return start;
+  }
+
+  template <int dim>
+  GridStart<dim> &
   ParticlesToGrid<dim>::operator()(const Stencils<dim>    &stencils,
                                    const PointArrays<dim> &points,
                                    const Couplings<dim>   &couplings)
@@ -156,25 +165,41 @@ namespace emmy
     const unsigned int  n_local      = dim * active.n_local_nodes();
     std::vector<double> momentum(n_local), weighted_velocity(n_local),
       weights(n_local);
+    std::vector<double> own_momentum; // of the points of a group, by component
     for (const auto &group : stencils.groups)
-      for (unsigned int a = 0; a < group.n_nodes; ++a)
-        {
-          const double *S = stencils.value(group, a);
-          const double *m = mass + group.first_point;
-          for (unsigned int c = 0; c < dim; ++c)
-            {
-              const double *v =
-                points.component(velocity_component + c) + group.first_point;
-              const unsigned int i = unknown<dim>(active.nodes(group)[a], c);
-              for (unsigned int p = 0; p < group.n_points; ++p)
-                {
-                  const double weight = m[p] * (S[p] + least_weight);
-                  momentum[i] += m[p] * S[p] * v[p];
-                  weighted_velocity[i] += weight * v[p];
-                  weights[i] += weight;
-                }
-            }
-        }
+      {
+        const unsigned int n = group.n_points;
+        const double      *m = mass + group.first_point;
+        own_momentum.resize(dim * n);
+        double                  total = 0.;
+        std::array<double, dim> total_momentum{};
+        for (unsigned int p = 0; p < n; ++p)
+          total += m[p];
+        for (unsigned int c = 0; c < dim; ++c)
+          {
+            const double *v =
+              points.component(velocity_component + c) + group.first_point;
+            for (unsigned int p = 0; p < n; ++p)
+              total_momentum[c] += own_momentum[c * n + p] = m[p] * v[p];
+          }
+        for (unsigned int a = 0; a < group.n_nodes; ++a)
+          {
+            const double *S      = stencils.value(group, a);
+            double        of_one = 0.;
+            for (unsigned int p = 0; p < n; ++p)
+              of_one += S[p] * m[p];
+            for (unsigned int c = 0; c < dim; ++c)
+              {
+                const unsigned int i = unknown<dim>(active.nodes(group)[a], c);
+                double             sum = 0.;
+                for (unsigned int p = 0; p < n; ++p)
+                  sum += S[p] * own_momentum[c * n + p];
+                momentum[i] += sum;
+                weighted_velocity[i] += sum + least_weight * total_momentum[c];
+                weights[i] += of_one + least_weight * total;
+              }
+          }
+      }
     start.momentum = 0.;
     active.add(momentum, start.momentum);
 

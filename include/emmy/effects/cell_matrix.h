@@ -32,14 +32,14 @@ namespace emmy
       const double                        *volumes; ///< likewise, m^3
     };
 
-    /** Begin with zero for a group with so many nodes. */
+    /** Begin for a group with so many nodes. */
     void
     reinit(const unsigned int n_nodes);
 
     void
     add(const Points &points);
 
-    /** As it stands, until it begins anew. */
+    /** As it stands after some points, until it begins anew. */
     ComponentBlocks
     blocks() const
     {
@@ -52,6 +52,7 @@ namespace emmy
 
   private:
     unsigned int n_nodes = 0, n_padded = 0; ///< full lanes
+    bool         is_empty = true;           ///< no points yet
     /** [((i dim + j) n_padded + a) n_padded + b] */
     dealii::AlignedVector<double> sum;
     /** Of some points: grad S, [(q dim + L) n_padded + b]. */

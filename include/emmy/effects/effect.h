@@ -144,7 +144,8 @@ namespace emmy
       (void)grid;
     }
 
-    /** Each time that stencils are made anew: find what couples, and add it. */
+    /** When stencils have other nodes or cells than before: add what couples.
+     */
     virtual void
     couple(const Stencils<dim>           &stencils,
            const BackgroundGrid<dim>     &grid,

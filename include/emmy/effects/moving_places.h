@@ -4,6 +4,7 @@
 #include <deal.II/base/aligned_vector.h>
 
 #include <emmy/effects/effect.h>
+#include <emmy/effects/point_rows.h>
 #include <emmy/material/middle_step.h>
 #include <emmy/transfer/domain_update.h>
 
@@ -84,9 +85,9 @@ namespace emmy
     void
     add(const Points &points);
 
-    /** That matrix; until the next group begins. */
+    /** That matrix, after the last of its points; until the next begins. */
     ComponentBlocks
-    blocks() const;
+    finish_group(const unsigned int *nodes);
 
     /** r_q (I - Q_q)^-1 (Q - q) at the local nodes, [dim * node + c], N. */
     const std::vector<double> &
@@ -144,13 +145,6 @@ namespace emmy
   private:
     using Group  = typename Stencils<dim>::Group;
     using Vector = dealii::Tensor<1, dim>;
-    /** How a point moves, and how that changes with its place. */
-    struct Motion
-    {
-      Vector                                 Su;
-      std::array<Vector, nq>                 Su_by_q;
-      std::array<dealii::Tensor<2, dim>, nq> L_by_q;
-    };
 
     /** Rows of numbers by node of a group, behind them zeros to full lanes. */
     using Rows = dealii::AlignedVector<double>;
@@ -159,10 +153,11 @@ namespace emmy
     struct Work
     {
       unsigned int n_nodes = 0, n_padded = 0;
-      Rows         u;   ///< by component
+      bool         is_empty = true; ///< no points of the group yet
+      Rows         u;               ///< by component
       Rows         sum; ///< [((i dim + j) n_padded + a) n_padded + b]
+      Rows         share, diagonal; ///< see PointRows
 
-      unsigned int n_points = 0;
       /** S, grad S, [q (dim + 1) + l]. */
       Rows weights;
       /**
@@ -172,33 +167,43 @@ namespace emmy
       Rows by_motion;
 
       PlaceDerivatives<dim> derivatives;
-      Rows                  weights_by_q; ///< [k (dim + 1) + l]
-      Rows                  force_by_q;   ///< r,k by component, [k dim + i]
     };
 
+    /**
+     * How all points of a group move, Su and the columns of L after it:
+     * [(l dim + component) n_points + q], m and 1.
+     * @param u at the local nodes, m
+     */
     void
-    add_point(const Points &points, const unsigned int in_batch);
+    find_motions(const StepData<dim>       &step,
+                 const Group               &group,
+                 const std::vector<double> &u,
+                 const bool                 with_gradients,
+                 std::vector<double>       &motion) const;
 
-    /** From the weights and their derivatives. */
-    Motion
-    motion() const;
-
-    /** Q - q, and (I - Q_q)^-1 times Q_u. */
-    Response
-    response(const Points      &points,
-             const unsigned int in_batch,
-             const Motion      &motion);
-
-    /** The rows of a point from what was found there. */
+    /** Weights of some points of a batch, node by node. */
     void
-    find_rows(const Points      &points,
+    set_weights(const Points      &points,
+                const unsigned int begin,
+                const unsigned int end);
+
+    /** @param at its index among those in work */
+    void
+    add_point(const Points      &points,
               const unsigned int in_batch,
-              const Motion      &motion,
-              const Response    &response);
+              const unsigned int at);
 
-    /** Add the matrices of the points in work to the sum. */
+    /** @pre point.find_motion() */
+    Response
+    response(const Points         &points,
+             const unsigned int    in_batch,
+             const PointRows<dim> &point);
+
+    /** What the force of a point at the nodes is made of. */
     void
-    add_up();
+    set_force(const Points      &points,
+              const unsigned int in_batch,
+              PointRows<dim>    &point) const;
 
     const PlaceRules<dim> rules;
     const Places<dim>    &places;
@@ -207,9 +212,9 @@ namespace emmy
     std::vector<Response> responses;    ///< by point
     std::vector<double>   share;
     double                defect = 0.;
-    /** Unknowns of a place: without boxes dim, with boxes nq. */
-    const unsigned int n_used;
-    Work               work;
+    /** Whether boxes follow too: places have nq unknowns, not dim. */
+    const bool has_boxes;
+    Work       work;
   };
 } // namespace emmy
 

@@ -5,18 +5,6 @@
 
 namespace emmy
 {
-  /** Nodes that stand side by side in the matrices of groups of points. */
-  template <int dim>
-  constexpr unsigned int node_lanes = (dim == 2) ? 4 : 8;
-
-  /** How many numbers a row over the nodes of a group has: full lanes. */
-  template <int dim>
-  constexpr unsigned int
-  padded(const unsigned int n_nodes)
-  {
-    return (n_nodes + node_lanes<dim> - 1) / node_lanes<dim> * node_lanes<dim>;
-  }
-
   /** As many points as have their rows in the first-level cache. */
   constexpr unsigned int most_points_at_once = 8;
 
@@ -25,12 +13,16 @@ namespace emmy
    * left(q, i, l, j)[a] right(q, i, l, j)[b], at
    * [((i dim + j) n_padded + a) n_padded + b]. For functions with clones.
    *
+   * @param is_first whether the sum is to begin with these: what stands there
+   *   is not read
    * @param left,right rows over nodes, aligned to lanes
    */
   template <int dim, int n_terms, class Left, class Right>
   EMMY_INLINE void
   add_node_products(const unsigned int n_points,
+                    const unsigned int n_nodes,
                     const unsigned int n_padded,
+                    const bool         is_first,
                     const Left        &left,
                     const Right       &right,
                     double            *sum)
@@ -41,14 +33,17 @@ namespace emmy
     for (unsigned int i = 0; i < dim; ++i)
       for (unsigned int j = 0; j < dim; ++j)
         for (unsigned int b = 0; b < n_padded; b += node_lanes<dim>)
-          for (unsigned int a = 0; a < n_padded; a += at_once)
+          for (unsigned int a = 0; a < n_nodes; a += at_once)
             {
               double *target =
                 sum + ((i * dim + j) * n_padded + a) * n_padded + b;
               Nodes of_node[at_once];
               for (unsigned int r = 0; r < at_once; ++r)
-                of_node[r] =
-                  *reinterpret_cast<const Nodes *>(target + r * n_padded);
+                if (is_first)
+                  of_node[r] = Nodes{};
+                else
+                  of_node[r] =
+                    *reinterpret_cast<const Nodes *>(target + r * n_padded);
               for (unsigned int q = 0; q < n_points; ++q)
                 for (unsigned int l = 0; l < n_terms; ++l)
                   {

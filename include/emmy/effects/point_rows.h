@@ -9,10 +9,12 @@ namespace emmy
    * long, aligned, behind the nodes zeros. For MovingPlaces.
    *
    * The force at a node is S_A (w + lumped u_A) + T grad S_A, with the motion
-   * Su in w and L in T. Rows with l = 0 are of S, with l = 1 + d of dS/dx_d.
+   * Su in w and L in T. Numbers with l = 0 are of S and Su, with l = 1 + d of
+   * dS/dx_d and column d of L.
    *
    * Cost for n nodes, with q = n_used, multiplications and additions:
-   * q dim (2 dim + 3) n and dim^2 (dim + 1) (dim + q) n.
+   * q dim (3 dim + 5) n and dim^2 (dim + 1) (dim + q) n; of q = dim, where a
+   * point is in one cell, the last q counts for l = 0 alone.
    */
   template <int dim>
   struct PointRows
@@ -20,41 +22,50 @@ namespace emmy
     static constexpr int nq = 2 * dim, n_weights = dim + 1;
 
     unsigned int n_padded;
-    unsigned int n_used; ///< unknowns k of the place
+    /** The coordinates of the place that count; first those of the position. */
+    unsigned int n_used, used[nq];
 
     const double *u;            ///< [c]
     const double *weights;      ///< [l]
-    const double *weights_by_q; ///< [k n_weights + l]
-    double       *force_by_q;   ///< [k dim + i]
-    double       *by_motion;    ///< [(i n_weights + l) dim + j]
+    const double *weights_by_q; ///< [k n_weights + l], all coordinates
+    /** The force by (Su)_j and L_jd: [(i n_weights + l) dim + j]. */
+    double *by_motion;
+    double *share;    ///< the change of the force with shift is added, [i]
+    double *diagonal; ///< what stands on the diagonal alone is added
+
+    double Su[dim];
+    double motion_by_q[nq][n_weights][dim]; ///< of used k; l; component
 
     double w[dim], lumped;
     double consistent; ///< dw/d(Su)
-    double w_by_q[nq][dim], T[dim][dim], T_by_q[nq][dim][dim];
+    double T[dim][dim];
     double tangent[dim * dim][dim * dim]; ///< dT/dL
-    /** dq_k/d(Su)_j with l = 0, dq_k/dL_jd. */
-    double by_motion_of_q[nq][dim][n_weights];
+    double on_diagonal, least;            ///< times S_A, and of all nodes
+    /** Of used k: the way to the place, and dq_k/d(Su)_j, dq_k/dL_jd. */
+    double shift[nq], by_motion_of_q[nq][dim][n_weights];
 
-    /** How the force depends on the place. */
+    /** Su, and how the motion depends on the place. */
     void
-    find_force_by_q() const;
+    find_motion();
 
     /**
-     * How it depends on (Su)_j and L_jd, with the place that follows them.
-     * @pre find_force_by_q()
+     * The rows of by_motion, with the place that follows the motion, share
+     * and diagonal.
      */
     void
-    find_by_motion() const;
+    find_rows() const;
   };
 
   /**
    * Add by_motion times weights of some points, sum over l, to their matrix
    * over the nodes, [((i dim + j) n_padded + a) n_padded + b].
+   * @param is_first whether the matrix is to begin with these points
    */
   template <int dim>
   void
   add_products(const unsigned int n_points,
-               const unsigned int n_padded,
+               const unsigned int n_nodes,
+               const bool         is_first,
                const double      *by_motion,
                const double      *weights,
                double            *sum);

@@ -41,6 +41,18 @@ namespace emmy
 
   constexpr unsigned int n_lanes = 8;
   using Lanes                    = LanesOf<n_lanes>::type;
+
+  /** Nodes that stand side by side where numbers are by node. */
+  template <int dim>
+  constexpr unsigned int node_lanes = (dim == 2) ? 4 : 8;
+
+  /** How many numbers a row over the nodes of a group has: full lanes. */
+  template <int dim>
+  constexpr unsigned int
+  padded(const unsigned int n_nodes)
+  {
+    return (n_nodes + node_lanes<dim> - 1) / node_lanes<dim> * node_lanes<dim>;
+  }
 } // namespace emmy
 
 #endif

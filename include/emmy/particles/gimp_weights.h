@@ -51,6 +51,12 @@ namespace emmy
                const bool         beyond_lower = false,
                const bool         beyond_upper = false)
   {
+    if (n_cells == 1)
+      {
+        weights[0] = {1. - x / h, -1. / h};
+        weights[1] = {x / h, 1. / h};
+        return;
+      }
     for (unsigned int i = 0; i <= n_cells; ++i)
       weights[i] = {0., 0.};
     double share_left = 1.;
@@ -61,7 +67,7 @@ namespace emmy
         const double high   = cell + 1 == n_cells && beyond_upper
                                 ? x + l
                                 : std::min(x + l, (cell + 1) * h);
-        const double center = n_cells == 1 ? x : 0.5 * (low + high);
+        const double center = 0.5 * (low + high);
         const double share =
           cell + 1 == n_cells
             ? share_left

@@ -1,8 +1,9 @@
 #ifndef emmy_particles_place_derivatives_h
 #define emmy_particles_place_derivatives_h
 
+#include <deal.II/base/aligned_vector.h>
+
 #include <array>
-#include <vector>
 
 namespace emmy
 {
@@ -27,23 +28,35 @@ namespace emmy
   template <int dim>
   struct PlaceDerivatives
   {
-    static constexpr unsigned int n = 2 * dim;
+    static constexpr unsigned int n = 2 * dim, n_weights = dim + 1;
 
-    unsigned int n_nodes = 0;
-    /** S,k of node a, 1/m: [k * n_nodes + a]. */
-    std::vector<double> values;
-    /** (dS/dx_d),k, 1/m^2: [(k * dim + d) * n_nodes + a]. */
-    std::vector<double> gradients;
+    unsigned int n_nodes  = 0;
+    unsigned int n_padded = 0; ///< numbers in a row: full lanes of nodes
+    /**
+     * Rows over the nodes, behind them zeros: S,k, 1/m, with l = 0 and
+     * (dS/dx_d),k, 1/m^2, with l = 1 + d: [(k n_weights + l) n_padded + a].
+     */
+    dealii::AlignedVector<double> rows;
+    /**
+     * Whether the weights depend on k; in one cell, a box weighs as a point.
+     * Rows of other k are zero.
+     */
+    std::array<bool, n> depends;
 
+    const double *
+    row(const unsigned int k, const unsigned int l) const
+    {
+      return rows.data() + (k * n_weights + l) * n_padded;
+    }
     const double *
     value(const unsigned int k) const
     {
-      return values.data() + k * n_nodes;
+      return row(k, 0);
     }
     const double *
     gradient(const unsigned int k, const unsigned int d) const
     {
-      return gradients.data() + (k * dim + d) * n_nodes;
+      return row(k, 1 + d);
     }
 
     /**

@@ -23,6 +23,9 @@ namespace emmy
     /** The equation of a step; borrows both. Collective. */
     std::unique_ptr<StepEquation<dim>>
     over(const StepData<dim> &step) const;
+    /** The same with trial states of an equation of the same points. */
+    std::unique_ptr<StepEquation<dim>>
+    over(const StepData<dim> &step, PointArrays<dim> trial_states) const;
 
     /**
      * Write the initial fields of the effects to particles that were just

@@ -97,6 +97,9 @@ namespace emmy
     /** Make the ground at the places, and number the vectors anew. */
     void
     renew(Places<dim> new_places, Vector *solution, Vector *increment);
+    /** The nodes of the ground that is next, where not as before; momentum. */
+    void
+    renew_nodes(const Ground<dim> &next);
     /** What is wrong with places: boxes reach cells that this rank misses. */
     std::string
     problem_of(const Places<dim> &places) const;

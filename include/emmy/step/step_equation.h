@@ -11,7 +11,10 @@ namespace emmy
   class StepEquation : public NonlinearEquation
   {
   public:
-    StepEquation(const Balance<dim> &balance, const StepData<dim> &step);
+    /** @param trial_states of the points; the fields of t + dt are not read */
+    StepEquation(const Balance<dim>  &balance,
+                 const StepData<dim> &step,
+                 PointArrays<dim>     trial_states);
 
     bool
     evaluate(const Vector &solution, const bool with_jacobian) override;

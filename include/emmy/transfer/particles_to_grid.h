@@ -130,6 +130,10 @@ namespace emmy
     renew_but_for_mass(const Stencils<dim>    &stencils,
                        const PointArrays<dim> &points,
                        const Couplings<dim>   &couplings);
+    /** Momentum and mean velocity, for stencils with the nodes of then. */
+    GridStart<dim> &
+    renew_momentum(const Stencils<dim>    &stencils,
+                   const PointArrays<dim> &points);
     /** What the last renewal made. */
     GridStart<dim> &
     last()
