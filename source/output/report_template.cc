@@ -19,14 +19,14 @@ code { background: #f5f6f8; padding: 0.15em 0.35em; }
 table { border-collapse: collapse; font-size: 13px; }
 td, th { padding: 0.15em 0.9em 0.15em 0; text-align: left; vertical-align: top; }
 td.number { text-align: right; font-variant-numeric: tabular-nums; }
-.pair { display: grid; grid-template-columns: repeat(auto-fit, minmax(500px, 1fr)); gap: 0.5em 2em; }
+.pair > div { min-width: 0; } .pair { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(500px, 100%), 1fr)); gap: 0.5em 2em; }
 .curves { height: 260px; width: 100%; margin-bottom: 2.2em; }
 .curves .dygraph-legend { background: rgba(255, 255, 255, 0.75); width: auto; font-size: 12px; }
 .bar { display: inline-block; height: 0.8em; background: #4a79b8; }
 .muted { color: #5d6670; }
 #last { columns: 3 300px; font-size: 13px; } #last div { display: flex; justify-content: space-between; }
 #last b { font-weight: normal; font-variant-numeric: tabular-nums; }
-#film canvas { width: 100%; border: 1px solid #d5d8dc; touch-action: none; }
+#film canvas { width: 100%; box-sizing: border-box; border: 1px solid #d5d8dc; touch-action: none; }
 #scale { height: 14px; width: 260px; display: inline-block; vertical-align: middle; margin: 0 0.5em; }
 #files a { display: inline-block; margin-right: 1.2em; }
 @media print { body { max-width: none; font-size: 11px; } .controls, select { display: none; }

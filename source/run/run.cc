@@ -12,6 +12,7 @@
 #include <emmy/run/price.h>
 #include <emmy/run/restart.h>
 #include <emmy/run/run.h>
+#include <emmy/run/scene_advice.h>
 #include <emmy/run/scene_card.h>
 
 #include <unistd.h>
@@ -371,6 +372,7 @@ namespace emmy
     if (options.only_check)
       {
         describe(screen);
+        advise(scene, parameters, initial, screen);
         return RunEnd::complete;
       }
 
