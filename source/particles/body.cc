@@ -2,8 +2,11 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/formula.h>
 #include <emmy/grid/boundary_conditions.h>
+#include <emmy/particles/basic_shapes.h>
 #include <emmy/particles/body.h>
 #include <emmy/particles/particle_layout.h>
+#include <emmy/particles/particle_table.h>
+#include <emmy/particles/shape_formula.h>
 
 #include <algorithm>
 #include <cmath>
@@ -23,9 +26,12 @@ namespace emmy
       "Shape",
       shape_name,
       "What the body looks like: " + join(shape_library<dim>().names()) +
-        " (cylinder in 3D only; in plane strain a disc is a "
-        "ball). Its measures stand in a subsection of that name. "
-        "Required.");
+        " (cylinder and mesh in 3D only; in plane strain a disc is a "
+        "ball). Its measures stand in a subsection of that name. Or a "
+        "formula, without a subsection: difference(box(0, 0; 4, 1), "
+        "ball(2, 0.5; 0.2)). Functions are box, ball, half_space, "
+        "expression, polygon (2D), cylinder, cone and mesh (3D); union, "
+        "intersection, difference; shift, turn, scale. Required.");
     this->add_parameter("Material",
                         material,
                         "One of Materials/Names. Required.");
@@ -54,6 +60,22 @@ namespace emmy
       "Components separated by , or ;, each a formula in x, y "
       "(and z). Unit: m/s. Empty: at rest.");
     this->add_parameter(
+      "Angular velocity",
+      angular_velocity,
+      std::string("Adds a rotation to the initial velocity: ") +
+        (dim == 2 ? "about z, turning x to y." : "a vector along the axis.") +
+        " Unit: rad/s. Empty: none.",
+      this->prm,
+      dealii::Patterns::List(dealii::Patterns::Double(), 0, dim == 2 ? 1 : 3));
+    this->add_parameter("Center of rotation",
+                        center_of_rotation,
+                        "A point of the axis of <Angular velocity>, which "
+                        "requires it. Unit: m.",
+                        this->prm,
+                        dealii::Patterns::List(dealii::Patterns::Double(),
+                                               0,
+                                               dim));
+    this->add_parameter(
       "Cut by",
       cut_by,
       "Sides of the grid beyond which the shape may reach; "
@@ -63,29 +85,47 @@ namespace emmy
       "y-max, z-min, z-max.",
       this->prm,
       dealii::Patterns::List(dealii::Patterns::Anything(), 0));
-    if (!shape.empty())
+    if (!shape.empty() && !is_shape_formula(shape))
       shape_parameters = shape_library<dim>()
                            .find(shape, section, "Shape")
                            .make(section + "/" + shape);
   }
 
   template <int dim>
-  const ShapeParameters<dim> &
-  BodyParameters<dim>::shape() const
+  std::unique_ptr<Shape<dim>>
+  BodyParameters<dim>::make_shape() const
   {
-    return *shape_parameters;
+    return is_shape_formula(shape_name)
+             ? read_shape<dim>(shape_name, this->path())
+             : shape_parameters->make();
   }
 
   template <int dim>
   void
   BodyParameters<dim>::validate() const
   {
-    AssertThrow(shape_parameters != nullptr,
+    AssertThrow(shape_parameters != nullptr || is_shape_formula(shape_name),
                 ExcParameter(this->path(),
                              "Shape",
                              "",
                              "it is required. Known shapes are: " +
                                join(shape_library<dim>().names()) + "."));
+    const auto require_all = [this](const std::string         &name,
+                                    const std::vector<double> &numbers,
+                                    const unsigned int         n) {
+      AssertThrow(angular_velocity.empty() ? numbers.empty()
+                                           : numbers.size() == n,
+                  ExcParameter(this->path(),
+                               name,
+                               dealii::Patterns::Tools::to_string(numbers),
+                               "a rotation needs <Angular velocity>, " +
+                                 std::to_string(dim == 2 ? 1 : 3) +
+                                 " numbers in rad/s, and <Center of "
+                                 "rotation>, " +
+                                 std::to_string(dim) + " in m."));
+    };
+    require_all("Angular velocity", angular_velocity, dim == 2 ? 1 : 3);
+    require_all("Center of rotation", center_of_rotation, dim);
     AssertThrow(points_per_direction > 0,
                 ExcParameter(this->path(),
                              "Points per direction",
@@ -107,7 +147,7 @@ namespace emmy
     body.density              = density;
     body.points_per_direction = parameters.points_per_direction;
     body.divides_box          = parameters.particle_layout == "body";
-    body.shape                = parameters.shape().make();
+    body.shape                = parameters.make_shape();
     for (const std::string &side : parameters.cut_by)
       body.cut_by.set(side_number(side, dim, parameters.path(), "Cut by"));
 
@@ -124,7 +164,26 @@ namespace emmy
         " components separated by , or ;, each a formula in " +
         dealii::FunctionParser<dim>::default_variable_names() + ", e.g. " +
         (dim == 2 ? "0.75; 0" : "0.75; 0; 0") + ".");
+    const auto &omega = parameters.angular_velocity;
+    for (unsigned int i = 0; i < omega.size(); ++i)
+      body.angular_velocity[dim == 2 ? 2 : i] = omega[i];
+    for (unsigned int d = 0; d < parameters.center_of_rotation.size(); ++d)
+      body.center_of_rotation[d] = parameters.center_of_rotation[d];
     return body;
+  }
+
+  template <int dim>
+  dealii::Tensor<1, dim>
+  Body<dim>::velocity_at(const Point<dim> &position) const
+  {
+    dealii::Tensor<1, 3>   arm;
+    dealii::Tensor<1, dim> velocity;
+    for (unsigned int d = 0; d < dim; ++d)
+      arm[d] = position[d] - center_of_rotation[d];
+    const auto rotation = dealii::cross_product_3d(angular_velocity, arm);
+    for (unsigned int d = 0; d < dim; ++d)
+      velocity[d] = initial_velocity->value(position, d) + rotation[d];
+    return velocity;
   }
 
   namespace
@@ -211,8 +270,8 @@ namespace emmy
     extent_problem(const Body<dim> &body, const BackgroundGrid<dim> &grid)
     {
       const auto box = body.shape->bounding_box();
-      // a shape that does not know its extent (expression) is checked by points
-      if (box.upper_bound(0) == std::numeric_limits<double>::max())
+      // a shape that does not know its extent is checked by points
+      if (!is_bounded(box) || !body.shape->has_tight_box())
         return "";
       for (unsigned int d = 0; d < dim; ++d)
         {
@@ -421,12 +480,23 @@ namespace emmy
           for (unsigned int d = 0; d < dim; ++d)
             values[layout["half_length"] + d] =
               lattices[filling.body].half_length()[d];
-        const auto key = grid.key_of(filling.cell);
-        for (const Point<dim> &point : filling.points)
+        const auto        key   = grid.key_of(filling.cell);
+        const auto *const table = from.shape->table();
+        for (unsigned int i = 0; i < filling.points.size(); ++i)
           {
+            const Point<dim> &point = filling.points[i];
+            auto              start = from.velocity_at(point);
+            if (table)
+              {
+                const auto row = lattices[filling.body].rows_in(key)[i];
+                values[volume] = table->volumes[row];
+                values[mass]   = from.density * values[volume];
+                if (!table->velocities.empty())
+                  start += table->velocities[row];
+              }
             for (unsigned int d = 0; d < dim; ++d)
               {
-                values[velocity + d] = from.initial_velocity->value(point, d);
+                values[velocity + d] = start[d];
                 if (!std::isfinite(values[velocity + d]))
                   wrong_velocity =
                     "the initial velocity of body <" + from.name + "> is " +
@@ -452,20 +522,22 @@ namespace emmy
     particles.update_cached_numbers();
   }
 
-#define INSTANTIATE(dim)                                         \
-  template class BodyParameters<dim>;                            \
-  template Body<dim> make_body<dim>(const std::string &,         \
-                                    const BodyParameters<dim> &, \
-                                    const unsigned int,          \
-                                    const double);               \
-  template std::vector<typename BackgroundGrid<dim>::Occupied>   \
-  occupied_cells<dim>(const std::vector<Body<dim>> &,            \
-                      const BackgroundGrid<dim> &);              \
-  template dealii::Tensor<1, dim> initial_half_length<dim>(      \
-    const Body<dim> &, const BackgroundGrid<dim> &);             \
-  template void fill<dim>(const std::vector<Body<dim>> &,        \
-                          const BackgroundGrid<dim> &,           \
-                          const FieldLayout &,                   \
+#define INSTANTIATE(dim)                                                     \
+  template class BodyParameters<dim>;                                        \
+  template dealii::Tensor<1, dim> Body<dim>::velocity_at(const Point<dim> &) \
+    const;                                                                   \
+  template Body<dim> make_body<dim>(const std::string &,                     \
+                                    const BodyParameters<dim> &,             \
+                                    const unsigned int,                      \
+                                    const double);                           \
+  template std::vector<typename BackgroundGrid<dim>::Occupied>               \
+  occupied_cells<dim>(const std::vector<Body<dim>> &,                        \
+                      const BackgroundGrid<dim> &);                          \
+  template dealii::Tensor<1, dim> initial_half_length<dim>(                  \
+    const Body<dim> &, const BackgroundGrid<dim> &);                         \
+  template void fill<dim>(const std::vector<Body<dim>> &,                    \
+                          const BackgroundGrid<dim> &,                       \
+                          const FieldLayout &,                               \
                           dealii::Particles::ParticleHandler<dim> &);
   INSTANTIATE(2)
   INSTANTIATE(3)

@@ -1,6 +1,10 @@
 #include <emmy/base/text.h>
+#include <emmy/particles/basic_shapes.h>
 #include <emmy/particles/body_measures.h>
+#include <emmy/particles/body_pieces.h>
 #include <emmy/particles/particle_layout.h>
+
+#include <boost/random/sobol.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -29,7 +33,7 @@ namespace emmy
         if (!is_whole && !body.shape->is_box())
           return;
         const auto box = uncut_box(body, grid);
-        has_extent = box.upper_bound(0) < std::numeric_limits<double>::max();
+        has_extent     = is_bounded(box);
         if (!has_extent)
           return;
         for (unsigned int d = 0; d < dim; ++d)
@@ -42,7 +46,7 @@ namespace emmy
         if (!is_whole)
           center = box.center();
         // a box around a formula is not its extent
-        has_extent = has_center;
+        has_extent = has_center && body.shape->has_tight_box();
       }
     };
 
@@ -92,6 +96,34 @@ namespace emmy
   } // namespace
 
   template <int dim>
+  double
+  sampled_volume(const Shape<dim> &shape, const MPI_Comm communicator)
+  {
+    using namespace dealii::Utilities::MPI;
+    constexpr unsigned int n   = 1 << 18;
+    const auto             box = shape.bounding_box();
+    if (!is_bounded(box))
+      return 0.;
+    const unsigned int n_ranks = n_mpi_processes(communicator),
+                       share   = (n + n_ranks - 1) / n_ranks,
+                       first   = share * this_mpi_process(communicator),
+                       last    = std::min(n, first + share);
+    boost::random::sobol sequence(dim);
+    if (first < last)
+      sequence.discard(static_cast<std::uintmax_t>(first) * dim);
+    unsigned int n_inside = 0;
+    for (unsigned int i = first; i < last; ++i)
+      {
+        Point<dim> point;
+        for (unsigned int d = 0; d < dim; ++d)
+          point[d] =
+            box.lower_bound(d) + box.side_length(d) * (sequence() / 0x1p64);
+        n_inside += shape.contains(point);
+      }
+    return box.volume() * (double(sum(n_inside, communicator)) / n);
+  }
+
+  template <int dim>
   std::vector<BodyMeasures<dim>>
   measure_bodies(const std::vector<Body<dim>>                  &bodies,
                  const BackgroundGrid<dim>                     &grid,
@@ -125,8 +157,13 @@ namespace emmy
     dealii::Utilities::MPI::sum(sums, grid.communicator(), sums);
     dealii::Utilities::MPI::max(reach, grid.communicator(), reach);
     std::vector<BodyMeasures<dim>> result(n);
+    const auto pieces = count_pieces(n, grid, layout, particles);
     for (unsigned int b = 0; b < n; ++b)
       {
+        result[b].pieces = pieces[b];
+        if (bodies[b].shape->volume() == 0. && bodies[b].cut_by.none())
+          result[b].shape_volume =
+            sampled_volume(*bodies[b].shape, grid.communicator());
         result[b].volume = sums[n_sums * b];
         result[b].mass   = sums[n_sums * b + 1];
         for (unsigned int d = 0; d < dim; ++d)
@@ -145,12 +182,17 @@ namespace emmy
                     const BodyMeasures<dim>   &measures,
                     const BackgroundGrid<dim> &grid)
   {
-    const Exact<dim>         exact(body, grid);
+    Exact<dim>               exact(body, grid);
+    const bool               is_sampled = exact.volume == 0.;
     std::vector<std::string> lines;
+    if (is_sampled)
+      exact.volume = measures.shape_volume;
     std::string line = "volume of its particles " + brief(measures.volume) +
                        " m^3, mass " + brief(measures.mass) + " kg";
     if (exact.volume > 0.)
-      line += "; of its shape " + brief(exact.volume) + " m^3";
+      line += "; of its shape " + std::string(is_sampled ? "about " : "") +
+              brief(exact.volume) + " m^3, " +
+              brief(body.density * exact.volume) + " kg";
     lines.push_back(line);
     line = "they span ";
     for (unsigned int d = 0; d < dim; ++d)
@@ -158,7 +200,10 @@ namespace emmy
     line += " m, centre (";
     for (unsigned int d = 0; d < dim; ++d)
       line += (d > 0 ? ", " : "") + brief(measures.center[d]);
-    lines.push_back(line + ") m");
+    lines.push_back(line + ") m, in " +
+                    (measures.pieces == 1
+                       ? "one piece"
+                       : std::to_string(measures.pieces) + " pieces"));
 
     const bool        is_box = body.shape->is_box();
     const std::string remedy =
@@ -179,15 +224,16 @@ namespace emmy
     return lines;
   }
 
-#define INSTANTIATE(dim)                                       \
-  template std::vector<BodyMeasures<dim>> measure_bodies<dim>( \
-    const std::vector<Body<dim>> &,                            \
-    const BackgroundGrid<dim> &,                               \
-    const FieldLayout &,                                       \
-    const dealii::Particles::ParticleHandler<dim> &);          \
-  template std::vector<std::string> describe_measures<dim>(    \
-    const Body<dim> &,                                         \
-    const BodyMeasures<dim> &,                                 \
+#define INSTANTIATE(dim)                                                   \
+  template double sampled_volume<dim>(const Shape<dim> &, const MPI_Comm); \
+  template std::vector<BodyMeasures<dim>> measure_bodies<dim>(             \
+    const std::vector<Body<dim>> &,                                        \
+    const BackgroundGrid<dim> &,                                           \
+    const FieldLayout &,                                                   \
+    const dealii::Particles::ParticleHandler<dim> &);                      \
+  template std::vector<std::string> describe_measures<dim>(                \
+    const Body<dim> &,                                                     \
+    const BodyMeasures<dim> &,                                             \
     const BackgroundGrid<dim> &);
   INSTANTIATE(2)
   INSTANTIATE(3)

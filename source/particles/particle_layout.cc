@@ -1,4 +1,5 @@
 #include <emmy/particles/particle_layout.h>
+#include <emmy/particles/particle_table.h>
 
 #include <algorithm>
 #include <cmath>
@@ -70,6 +71,13 @@ namespace emmy
     for (unsigned int d = 0; d < dim; ++d)
       size[d] = grid.cell_size()[d] / n;
     half = 0.5 / n * grid.cell_size();
+    if (const auto *const table = body.shape->table())
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          size[d] =
+            std::pow(body.shape->volume() / table->volumes.size(), 1. / dim);
+          half[d] = 0.5 * size[d];
+        }
     if (!is_of_body)
       return;
     const auto box = uncut_box(body, grid);
@@ -97,7 +105,25 @@ namespace emmy
     for (unsigned int d = 0; d < dim; ++d)
       if (from[d] > box.upper_bound(d) || from[d] + h[d] < box.lower_bound(d))
         return {};
+    if (const auto *const table = body.shape->table())
+      {
+        std::vector<Point<dim>> points;
+        for (const unsigned int row : rows_in(cell))
+          points.push_back(table->positions[row]);
+        return points;
+      }
     return is_of_body ? points_of_body(cell) : points_of_cell(cell);
+  }
+
+  template <int dim>
+  const std::vector<unsigned int> &
+  ParticleLayout<dim>::rows_in(const CellKey<dim> &cell) const
+  {
+    const auto &positions = body.shape->table()->positions;
+    if (rows.empty())
+      for (unsigned int row = 0; row < positions.size(); ++row)
+        rows[grid.key_of(positions[row])].push_back(row);
+    return rows[cell];
   }
 
   template <int dim>

@@ -1,5 +1,7 @@
-#include <emmy/base/formula.h>
+#include <emmy/particles/basic_shapes.h>
+#include <emmy/particles/particle_table.h>
 #include <emmy/particles/shape.h>
+#include <emmy/particles/surface_mesh.h>
 
 #include <limits>
 
@@ -79,49 +81,6 @@ namespace emmy
     }
 
     template <int dim>
-    class Box : public Shape<dim>
-    {
-    public:
-      Box(const Point<dim> &lower, const Point<dim> &upper)
-        : box({lower, upper})
-      {}
-
-      bool
-      contains(const Point<dim> &position) const override
-      {
-        return box.point_inside(position, 0.);
-      }
-
-      double
-      volume() const override
-      {
-        return box.volume();
-      }
-
-      bool
-      center(Point<dim> &center) const override
-      {
-        center = box.center();
-        return true;
-      }
-
-      bool
-      is_box() const override
-      {
-        return true;
-      }
-
-      BoundingBox<dim>
-      bounding_box() const override
-      {
-        return box;
-      }
-
-    private:
-      const BoundingBox<dim> box;
-    };
-
-    template <int dim>
     class BoxParameters : public ShapeParameters<dim>
     {
     public:
@@ -138,57 +97,11 @@ namespace emmy
         const auto from = lower.point(*this, "Lower corner");
         const auto to   = upper.point(*this, "Upper corner");
         require_above(*this, from, to);
-        return std::make_unique<Box<dim>>(from, to);
+        return make_box(from, to);
       }
 
     private:
       Coordinates<dim> lower, upper;
-    };
-
-    template <int dim>
-    class Ball : public Shape<dim>
-    {
-    public:
-      Ball(const Point<dim> &center, const double radius)
-        : middle(center)
-        , radius(radius)
-      {}
-
-      bool
-      contains(const Point<dim> &position) const override
-      {
-        return position.distance_square(middle) <= radius * radius;
-      }
-
-      double
-      volume() const override
-      {
-        const double disc = dealii::numbers::PI * radius * radius;
-        return dim == 2 ? disc : 4. / 3. * disc * radius;
-      }
-
-      bool
-      center(Point<dim> &center) const override
-      {
-        center = middle;
-        return true;
-      }
-
-      BoundingBox<dim>
-      bounding_box() const override
-      {
-        Point<dim> lower = middle, upper = middle;
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            lower[d] -= radius;
-            upper[d] += radius;
-          }
-        return BoundingBox<dim>({lower, upper});
-      }
-
-    private:
-      const Point<dim> middle;
-      const double     radius;
     };
 
     template <int dim>
@@ -210,8 +123,7 @@ namespace emmy
       make() const override
       {
         require_positive(*this, "Radius", radius);
-        return std::make_unique<Ball<dim>>(center.point(*this, "Center"),
-                                           radius);
+        return make_ball(center.point(*this, "Center"), radius);
       }
 
     private:
@@ -219,69 +131,11 @@ namespace emmy
       double           radius = 0.;
     };
 
-    template <int dim>
-    class Cylinder : public Shape<dim>
-    {
-    public:
-      Cylinder(const Point<dim> &base,
-               const Point<dim> &top,
-               const double      radius)
-        : base(base)
-        , axis((top - base) / base.distance(top))
-        , length(base.distance(top))
-        , radius(radius)
-      {}
-
-      bool
-      contains(const Point<dim> &position) const override
-      {
-        const auto   from_base = position - base;
-        const double along     = from_base * axis;
-        return along >= 0. && along <= length &&
-               (from_base - along * axis).norm_square() <= radius * radius;
-      }
-
-      double
-      volume() const override
-      {
-        return dealii::numbers::PI * radius * radius * length;
-      }
-
-      bool
-      center(Point<dim> &center) const override
-      {
-        center = base + 0.5 * length * axis;
-        return true;
-      }
-
-      BoundingBox<dim>
-      bounding_box() const override
-      {
-        Point<dim> lower, upper;
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            // extent of the end discs in direction d
-            const double disc =
-              radius * std::sqrt(std::max(0., 1. - axis[d] * axis[d]));
-            const double end = base[d] + length * axis[d];
-            lower[d]         = std::min(base[d], end) - disc;
-            upper[d]         = std::max(base[d], end) + disc;
-          }
-        return BoundingBox<dim>({lower, upper});
-      }
-
-    private:
-      const Point<dim>             base;
-      const dealii::Tensor<1, dim> axis;
-      const double                 length, radius;
-    };
-
-    template <int dim>
-    class CylinderParameters : public ShapeParameters<dim>
+    class CylinderParameters : public ShapeParameters<3>
     {
     public:
       explicit CylinderParameters(const std::string &section)
-        : ShapeParameters<dim>(section)
+        : ShapeParameters<3>(section)
       {
         base.add_to(*this, "Base", "Center of one end disc.");
         top.add_to(*this, "Top", "Center of the other end disc.");
@@ -293,7 +147,7 @@ namespace emmy
                             dealii::Patterns::Double(0.));
       }
 
-      std::unique_ptr<Shape<dim>>
+      std::unique_ptr<Shape<3>>
       make() const override
       {
         require_positive(*this, "Radius", radius);
@@ -304,52 +158,12 @@ namespace emmy
                                  "Top",
                                  dealii::Patterns::Tools::to_string(to),
                                  "must differ from <Base>."));
-        return std::make_unique<Cylinder<dim>>(from, to, radius);
+        return make_cone(from, to, radius, radius);
       }
 
     private:
-      Coordinates<dim> base, top;
-      double           radius = 0.;
-    };
-
-    template <int dim>
-    class Expression : public Shape<dim>
-    {
-    public:
-      Expression(const std::string      &section,
-                 const std::string      &text,
-                 const BoundingBox<dim> &box)
-        : box(box)
-        , function(read_formulas<dim>(
-            text,
-            1,
-            section,
-            "Expression",
-            "Write a formula in " +
-              dealii::FunctionParser<dim>::default_variable_names() +
-              " that is positive inside the body, e.g. 1 - x^2 - y^2."))
-      {}
-
-      bool
-      contains(const Point<dim> &position) const override
-      {
-        // not point_inside(): it computes with the size, which can be infinite
-        for (unsigned int d = 0; d < dim; ++d)
-          if (position[d] < box.lower_bound(d) ||
-              position[d] > box.upper_bound(d))
-            return false;
-        return function->value(position) > 0.;
-      }
-
-      BoundingBox<dim>
-      bounding_box() const override
-      {
-        return box;
-      }
-
-    private:
-      const BoundingBox<dim>                       box;
-      std::unique_ptr<dealii::FunctionParser<dim>> function;
+      Coordinates<3> base, top;
+      double         radius = 0.;
     };
 
     template <int dim>
@@ -388,14 +202,68 @@ namespace emmy
             to   = upper.point(*this, "Upper corner");
             require_above(*this, from, to);
           }
-        return std::make_unique<Expression<dim>>(this->path(),
-                                                 text,
-                                                 BoundingBox<dim>({from, to}));
+        return make_expression(this->path(),
+                               "Expression",
+                               text,
+                               BoundingBox<dim>({from, to}));
       }
 
     private:
       std::string      text;
       Coordinates<dim> lower, upper;
+    };
+
+    class MeshParameters : public ShapeParameters<3>
+    {
+    public:
+      explicit MeshParameters(const std::string &section)
+        : ShapeParameters<3>(section)
+      {
+        add_parameter("File",
+                      file,
+                      "A closed surface: STL, OBJ, PLY or OFF, by the ending "
+                      "of its name. Required.");
+        add_parameter("Scale",
+                      scale,
+                      "Length of the file's unit, e.g. 1e-3 for millimetres. "
+                      "Unit: m. Positive.");
+      }
+
+      std::unique_ptr<Shape<3>>
+      make() const override
+      {
+        return read_surface_mesh(file, scale, path(), "File");
+      }
+
+    private:
+      std::string file;
+      double      scale = 1.;
+    };
+
+    template <int dim>
+    class TableParameters : public ShapeParameters<dim>
+    {
+    public:
+      explicit TableParameters(const std::string &section)
+        : ShapeParameters<dim>(section)
+      {
+        this->add_parameter("File",
+                            file,
+                            "A table with the columns x, y (and z) in m, "
+                            "volume in m^3 (in plane strain m^2) and, if "
+                            "wanted, vx, vy (and vz) in m/s, which add to the "
+                            "body's. Its first line names them. <Points per "
+                            "direction> is not used. Required.");
+      }
+
+      std::unique_ptr<Shape<dim>>
+      make() const override
+      {
+        return read_particle_table<dim>(file, this->path());
+      }
+
+    private:
+      std::string file;
     };
 
     template <int dim>
@@ -411,16 +279,28 @@ namespace emmy
                   [](const std::string &section) {
                     return std::make_unique<BallParameters<dim>>(section);
                   }});
-      if (dim == 3)
-        shapes.add({"cylinder",
-                    "circular cylinder between two points",
-                    [](const std::string &section) {
-                      return std::make_unique<CylinderParameters<dim>>(section);
-                    }});
+      if constexpr (dim == 3)
+        {
+          shapes.add({"cylinder",
+                      "circular cylinder between two points",
+                      [](const std::string &section) {
+                        return std::make_unique<CylinderParameters>(section);
+                      }});
+          shapes.add({"mesh",
+                      "inside of a closed surface of triangles in a file",
+                      [](const std::string &section) {
+                        return std::make_unique<MeshParameters>(section);
+                      }});
+        }
       shapes.add({"expression",
                   "where a formula is positive",
                   [](const std::string &section) {
                     return std::make_unique<ExpressionParameters<dim>>(section);
+                  }});
+      shapes.add({"particles",
+                  "particles one by one, from a table",
+                  [](const std::string &section) {
+                    return std::make_unique<TableParameters<dim>>(section);
                   }});
       return shapes;
     }

@@ -8,7 +8,8 @@ namespace emmy
   namespace
   {
     /** More particles than this are thinned out in pictures. */
-    constexpr std::size_t max_drawn_particles = 200000;
+    constexpr std::size_t max_drawn_particles = 200000,
+                          max_film_particles  = 3000;
 
     template <int dim>
     std::vector<double>
@@ -38,6 +39,9 @@ namespace emmy
                                                 ? directory.path()
                                                 : parameters.general.title)
                  : nullptr)
+    , animation(wanted.report
+                  ? std::make_unique<Animation>(dim, scene.drawn_number.label)
+                  : nullptr)
     , particle_series(directory.path(),
                       "particles",
                       communicator,
@@ -163,6 +167,12 @@ namespace emmy
       write_grid(time);
     if (wanted.particle_files)
       write_surfaces(time);
+    if (animation)
+      {
+        const Drawn drawn = gather_drawn(max_film_particles);
+        if (is_first)
+          animation->add<dim>(time, drawn.positions, drawn.values);
+      }
     state.last_frame = time;
     ++state.n_frames;
   }
@@ -298,39 +308,44 @@ namespace emmy
   }
 
   template <int dim>
+  typename Frames<dim>::Drawn
+  Frames<dim>::gather_drawn(const std::size_t most) const
+  {
+    const std::size_t stride = 1 + scene.particles.n_global_particles() / most;
+    Drawn             drawn;
+    for (const auto &particle : scene.particles)
+      if (particle.get_id() % stride == 0)
+        {
+          drawn.positions.push_back(particle.get_location());
+          drawn.values.push_back(scene.drawn_number.value(particle));
+        }
+    const auto positions =
+      dealii::Utilities::MPI::gather(communicator, drawn.positions);
+    const auto values =
+      dealii::Utilities::MPI::gather(communicator, drawn.values);
+    for (unsigned int rank = 1; rank < positions.size(); ++rank)
+      {
+        drawn.positions.insert(drawn.positions.end(),
+                               positions[rank].begin(),
+                               positions[rank].end());
+        drawn.values.insert(drawn.values.end(),
+                            values[rank].begin(),
+                            values[rank].end());
+      }
+    return drawn;
+  }
+
+  template <int dim>
   void
   Frames<dim>::take_picture(const double time)
   {
     state.last_picture = time;
-
-    const std::size_t stride =
-      1 + scene.particles.n_global_particles() / max_drawn_particles;
-    std::vector<dealii::Point<dim>> positions;
-    std::vector<double>             values;
-    for (const auto &particle : scene.particles)
-      if (particle.get_id() % stride == 0)
-        {
-          positions.push_back(particle.get_location());
-          values.push_back(scene.drawn_number.value(particle));
-        }
-    const auto all_positions =
-      dealii::Utilities::MPI::gather(communicator, positions);
-    const auto all_values =
-      dealii::Utilities::MPI::gather(communicator, values);
+    const Drawn drawn  = gather_drawn(max_drawn_particles);
     if (!is_first)
       return;
-    for (unsigned int rank = 1; rank < all_positions.size(); ++rank)
-      {
-        positions.insert(positions.end(),
-                         all_positions[rank].begin(),
-                         all_positions[rank].end());
-        values.insert(values.end(),
-                      all_values[rank].begin(),
-                      all_values[rank].end());
-      }
     pictures->add_snapshot<dim>(time,
-                                positions,
-                                values,
+                                drawn.positions,
+                                drawn.values,
                                 scene.grid.lower_corner(),
                                 scene.grid.upper_corner(),
                                 scene.grid.n_cells());

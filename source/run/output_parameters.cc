@@ -47,6 +47,12 @@ namespace emmy
     add_parameter("Pictures",
                   pictures,
                   "Whether pictures are drawn at the end, with gnuplot.");
+    add_parameter("Report",
+                  report,
+                  "Whether report.html is written at the end: the scene, "
+                  "curves of the ledger, where the time went, and the "
+                  "particles of all frames, coloured by <Picture field>, as a "
+                  "film. It opens in any browser, without a network.");
     add_parameter("Picture times",
                   picture_times,
                   "Times at which particles are drawn. Unit: s. Empty: the "

@@ -3,6 +3,7 @@
 #include <emmy/base/whole_file.h>
 #include <emmy/output/ledger.h>
 #include <emmy/output/progress.h>
+#include <emmy/output/report_page.h>
 #include <emmy/output/run_directory.h>
 #include <emmy/run/checkpoints.h>
 #include <emmy/run/closing_lines.h>
@@ -11,6 +12,7 @@
 #include <emmy/run/price.h>
 #include <emmy/run/restart.h>
 #include <emmy/run/run.h>
+#include <emmy/run/scene_advice.h>
 #include <emmy/run/scene_card.h>
 
 #include <unistd.h>
@@ -256,6 +258,29 @@ namespace emmy
       return tail.str();
     }
 
+    /** For the first rank. */
+    template <int dim>
+    void
+    leave_report(const Parts<dim> &parts, std::ostream &screen)
+    {
+      const SceneParameters<dim> &parameters = parts.parameters;
+      if (!parameters.output.report)
+        return;
+      const std::string folder  = parts.directory.path();
+      const auto        n_ranks = dealii::Utilities::MPI::n_mpi_processes(
+        parts.scene.grid.communicator());
+      const std::string problem = write_report(
+        folder,
+        parts.ledger,
+        {parameters.general.title.empty() ? folder : parameters.general.title,
+         (n_ranks > 1 ? "mpirun -np " + std::to_string(n_ranks) + " " : "") +
+           "emmy " + parts.directory.file("parameters.prm") + " --overwrite",
+         parameters.measurement_names.names,
+         parts.frames.film()});
+      if (!problem.empty())
+        screen << "note: " << problem << '\n';
+    }
+
     /** From the first step to the last line. Collective. */
     template <int dim>
     RunEnd
@@ -286,6 +311,8 @@ namespace emmy
       const std::string tail = close(parts, initial, card, attempt);
       screen << tail << std::flush;
       log << tail << std::flush;
+      if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
+        leave_report(parts, screen);
       attempt([&] {
         throw_together(communicator,
                        "Output",
@@ -345,6 +372,7 @@ namespace emmy
     if (options.only_check)
       {
         describe(screen);
+        advise(scene, parameters, initial, screen);
         return RunEnd::complete;
       }
 

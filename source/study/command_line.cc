@@ -226,6 +226,20 @@ namespace emmy
         line.task = CommandLine::Task::completion;
         names.clear();
       }
+    else if (!names.empty() && names[0] == "verify")
+      {
+        if (names.size() > 2 || (names.size() == 2 && names[1] != "full"))
+          refuse("verify <" + names[1] + ">",
+                 "write emmy verify, which takes a minute or two, or emmy "
+                 "verify full.");
+        line.task = names.size() == 2 ? CommandLine::Task::verify_full
+                                      : CommandLine::Task::verify;
+        if (!line.assignments.empty() || !line.restart.empty())
+          refuse("verify with --set or --restart",
+                 "the scenes that it runs are part of the program; write emmy "
+                 "verify alone.");
+        names.clear();
+      }
     if (line.task == CommandLine::Task::help)
       {
         const auto is_file = [](const std::string &name) {
@@ -258,6 +272,9 @@ namespace emmy
                                    and on a page with pictures
   emmy --restart DIRECTORY [options]
                                    go on with a run from its last checkpoint
+  emmy verify [full]               check this emmy against the paper, exact
+                                   solutions and others' results: a minute or
+                                   two, in full a quarter of an hour
   emmy completion bash             a script by which bash completes options
 
 )" << options.tasks
@@ -283,7 +300,7 @@ In parallel: mpirun -np 2 emmy FILE.prm
         << join(Options().names(), "\n") << R"(' -- "$word")) ;;
     *)
       COMPREPLY=($(compgen -d -- "$word") $(compgen -f -X '!*.prm' -- "$word"))
-      [ "$COMP_CWORD" -ne 1 ] || COMPREPLY+=($(compgen -W $'study\ncompletion' -- "$word"))
+      [ "$COMP_CWORD" -ne 1 ] || COMPREPLY+=($(compgen -W $'study\nverify\ncompletion' -- "$word"))
       [ "$previous" != completion ] || COMPREPLY=(bash)
       ;;
   esac

@@ -10,6 +10,7 @@
 #include <emmy/study/program.h>
 #include <emmy/study/study.h>
 #include <emmy/study/study_parameters.h>
+#include <emmy/study/verify.h>
 
 #include <iostream>
 #include <memory>
@@ -160,6 +161,12 @@ namespace emmy
 
       if (tells(line, is_first))
         return RunEnd::complete;
+      if (line.task == CommandLine::Task::verify ||
+          line.task == CommandLine::Task::verify_full)
+        return verify(line.task == CommandLine::Task::verify_full,
+                      MPI_COMM_WORLD)
+                 ? RunEnd::complete
+                 : RunEnd::refuted;
       if (!line.restart.empty())
         return perform_restart(line, signals, is_first);
       ParameterFile file = !line.file.empty() ? ParameterFile(line.file)
@@ -234,6 +241,8 @@ namespace emmy
                   << std::endl;
         return 1;
       }
-    return end == RunEnd::interrupted ? interrupted_exit_code : 0;
+    return end == RunEnd::interrupted ? interrupted_exit_code
+           : end == RunEnd::refuted   ? 1
+                                      : 0;
   }
 } // namespace emmy

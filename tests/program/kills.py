@@ -45,7 +45,7 @@ SCENES = {
     # a wall that moves, in some seconds
     "short": ("examples/shaken-block.prm", ["Time/Maximum steps=40", "Output/Frames=10"]),
 }
-OWN = {"run.log", "timing.json", "parameters.prm"}  # of each session
+OWN = {"run.log", "timing.json", "parameters.prm", "report.html"}  # of each session
 ENVIRONMENT = dict(os.environ, OMP_NUM_THREADS="1", DEAL_II_NUM_THREADS="1",
                    OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
                    OMPI_MCA_mpi_yield_when_idle="1")

@@ -25,7 +25,9 @@ namespace emmy
     unsigned int             points_per_direction = 0;
     std::string              particle_layout      = "body";
     std::string              initial_velocity; // m/s, components separated by ;
-    std::vector<std::string> cut_by;           // sides of the grid
+    std::vector<double>      angular_velocity; // rad/s; empty: none
+    std::vector<double>      center_of_rotation; // m; empty: not given
+    std::vector<std::string> cut_by;             // sides of the grid
 
     /** @param shape name of a shape in the library, read beforehand. */
     BodyParameters(const std::string &section, const std::string &shape);
@@ -34,8 +36,9 @@ namespace emmy
     void
     validate() const;
 
-    const ShapeParameters<dim> &
-    shape() const;
+    /** Throws ExcParameter. */
+    std::unique_ptr<Shape<dim>>
+    make_shape() const;
 
   private:
     std::string                           shape_name;
@@ -55,6 +58,13 @@ namespace emmy
     /** Sides of the grid that the shape may reach beyond. */
     std::bitset<2 * dim>                         cut_by;
     std::unique_ptr<dealii::FunctionParser<dim>> initial_velocity; ///< m/s
+    /** On top of it: rad/s, in plane strain (0, 0, omega), and about where. */
+    dealii::Tensor<1, 3> angular_velocity   = {};
+    dealii::Point<dim>   center_of_rotation = {};
+
+    /** Both velocities together, m/s. */
+    dealii::Tensor<1, dim>
+    velocity_at(const dealii::Point<dim> &position) const;
   };
 
   /**

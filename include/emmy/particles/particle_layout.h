@@ -7,6 +7,8 @@
 #include <array>
 #include <vector>
 
+#include <map>
+
 namespace emmy
 {
   /**
@@ -17,8 +19,10 @@ namespace emmy
    * The body's box is divided into N equal parts in each direction, with the
    * N for which their size is nearest to that of the cells' parts, h /
    * <Points per direction>; what lies beyond a side that cuts the body is
-   * left out before. A box whose faces lie on the cells' lattice is filled by
-   * the cells' boxes, to the last bit. Cheap: made whenever it is needed.
+   * left out before. Particles that are listed (ParticleTable) stand where
+   * they are; their boxes are cubes of the mean volume. A box whose faces lie
+   * on the cells' lattice is filled by the cells' boxes, to the last bit.
+   * Cheap: made whenever it is needed.
    */
   template <int dim>
   class ParticleLayout
@@ -51,6 +55,13 @@ namespace emmy
     std::vector<dealii::Point<dim>>
     points_in(const CellKey<dim> &cell) const;
 
+    /**
+     * Of particles that are listed: the rows of the table that lie in a cell,
+     * in the order of points_in().
+     */
+    const std::vector<unsigned int> &
+    rows_in(const CellKey<dim> &cell) const;
+
   private:
     /** The range of box numbers that may have their centres in a cell. */
     std::array<std::array<long, 2>, dim>
@@ -67,6 +78,8 @@ namespace emmy
     dealii::Point<dim>     lower;
     std::array<long, dim>  counts{};
     dealii::Tensor<1, dim> size, half;
+    /** The rows of a table, cell by cell; made when they are asked for. */
+    mutable std::map<CellKey<dim>, std::vector<unsigned int>> rows;
   };
 
   /**

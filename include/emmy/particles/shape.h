@@ -10,6 +10,9 @@
 
 namespace emmy
 {
+  template <int dim>
+  struct ParticleTable;
+
   /** A region of space that a body fills at the start. */
   template <int dim>
   class Shape
@@ -41,6 +44,20 @@ namespace emmy
       return false;
     }
 
+    /** Whether the shape reaches all sides of its bounding box. */
+    virtual bool
+    has_tight_box() const
+    {
+      return true;
+    }
+
+    /** The particles that it lists; null: they are made from the shape. */
+    virtual const ParticleTable<dim> *
+    table() const
+    {
+      return nullptr;
+    }
+
     /**
      * A box around the shape. It must be finite unless the shape does not
      * know its extent (expression).
@@ -61,7 +78,10 @@ namespace emmy
     make() const = 0;
   };
 
-  /** All shapes: box, ball, cylinder (3D), expression. */
+  /**
+   * All shapes that have a section: box, ball, cylinder (3D), expression,
+   * mesh (3D), particles.
+   */
   template <int dim>
   Library<ShapeParameters<dim>> &
   shape_library();

@@ -1,6 +1,7 @@
 #ifndef emmy_run_frames_h
 #define emmy_run_frames_h
 
+#include <emmy/output/animation.h>
 #include <emmy/output/pictures.h>
 #include <emmy/output/run_directory.h>
 #include <emmy/output/series.h>
@@ -57,6 +58,13 @@ namespace emmy
     std::vector<std::string>
     finish(const StepReport &last, const bool is_complete);
 
+    /** What a report shows of the frames; on the first rank, if wanted. */
+    const Animation *
+    film() const
+    {
+      return animation.get();
+    }
+
   private:
     /** How many of the wanted equal parts of the run have passed. */
     unsigned int
@@ -73,6 +81,14 @@ namespace emmy
     write_surfaces(const double time);
     void
     take_picture(const double time);
+    /** Particles of the picture field, thinned out, on the first rank. */
+    struct Drawn
+    {
+      std::vector<dealii::Point<dim>> positions;
+      std::vector<double>             values;
+    };
+    Drawn
+    gather_drawn(const std::size_t most) const;
     /** What is shown beside the particles. */
     std::vector<Surface<dim>>
     surfaces(const double time) const;
@@ -80,14 +96,15 @@ namespace emmy
     Scene<dim>  &scene;
     FramesState &state;
     bool         has_grid = false; ///< of a step: not before the first here
-    const OutputParameters   &wanted;
-    const double              end_time;
-    const RunDirectory       &directory;
-    const MPI_Comm            communicator;
-    const bool                is_first;
-    std::unique_ptr<Pictures> pictures; // none unless wanted
-    Series                    particle_series, grid_series, surface_series;
-    std::vector<double>       picture_times;
+    const OutputParameters    &wanted;
+    const double               end_time;
+    const RunDirectory        &directory;
+    const MPI_Comm             communicator;
+    const bool                 is_first;
+    std::unique_ptr<Pictures>  pictures;  // none unless wanted
+    std::unique_ptr<Animation> animation; // the same
+    Series                     particle_series, grid_series, surface_series;
+    std::vector<double>        picture_times;
   };
 } // namespace emmy
 

@@ -16,7 +16,7 @@ namespace emmy
     bool                overwrite      = false;
     unsigned int        frames         = 20;
     bool                particle_files = true, grid_files = true;
-    bool                pictures = true;
+    bool                pictures = true, report = true;
     std::vector<double> picture_times; // s; empty: chosen by the run
     /** Of ParticleFields: what particle files hold, and what colours mean. */
     std::vector<std::string> particle_fields = {"carried",

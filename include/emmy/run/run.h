@@ -28,7 +28,8 @@ namespace emmy
   enum class RunEnd
   {
     complete,
-    interrupted ///< by a signal; it can go on
+    interrupted, ///< by a signal; it can go on
+    refuted      ///< of `emmy verify`: a claim does not hold
   };
 
   /**

@@ -18,7 +18,9 @@ namespace emmy
       print_parameters,
       version,
       help,
-      completion ///< of words, in a shell
+      completion, ///< of words, in a shell
+      verify,
+      verify_full
     } task = Task::run;
     std::string              file;
     std::vector<std::string> assignments; ///< of --set, in their order

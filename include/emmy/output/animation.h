@@ -1,0 +1,57 @@
+#ifndef emmy_output_animation_h
+#define emmy_output_animation_h
+
+#include <deal.II/base/point.h>
+
+#include <string>
+#include <vector>
+
+namespace emmy
+{
+  /**
+   * Positions and one number of particles at several times, for a page that
+   * shows them as a film. Numbers have 16 bits between the least and the
+   * largest of all frames, which is 1/65000 of the scene. Kept in memory, on
+   * the first rank: 4 bytes a number, of at most 3000 particles.
+   */
+  class Animation
+  {
+  public:
+    /** @param label of the number, with its unit */
+    Animation(const unsigned int dim, const std::string &label);
+
+    template <int dim>
+    void
+    add(const double                           time,
+        const std::vector<dealii::Point<dim>> &positions,
+        const std::vector<double>             &values);
+
+    /**
+     * A JSON object: dim, label, ranges (least and largest of each coordinate,
+     * then of the number: its 1st to 99th percentile), and frames, each with
+     * its time, extremes and data: base64 of little-endian 16-bit numbers,
+     * particle by particle.
+     */
+    std::string
+    json() const;
+
+    unsigned int
+    n_frames() const
+    {
+      return frames.size();
+    }
+
+  private:
+    struct Frame
+    {
+      double             time;
+      std::vector<float> numbers; ///< dim + 1 a particle
+    };
+
+    const unsigned int dim;
+    const std::string  label;
+    std::vector<Frame> frames;
+  };
+} // namespace emmy
+
+#endif

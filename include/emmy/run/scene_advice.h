@@ -1,0 +1,25 @@
+#ifndef emmy_run_scene_advice_h
+#define emmy_run_scene_advice_h
+
+#include <emmy/run/scene.h>
+
+#include <iosfwd>
+
+namespace emmy
+{
+  /**
+   * What `emmy --check` says of a scene beyond its card: the shortest waves
+   * that steps and grid resolve; numbers that look as if they were not in SI
+   * units; bodies whose boxes overlap; particles on faces of cells;
+   * and what would make the run cheaper. Collective. Cost: a loop over the
+   * particles and the other bodies.
+   */
+  template <int dim>
+  void
+  advise(const Scene<dim>           &scene,
+         const SceneParameters<dim> &parameters,
+         const StepReport           &initial,
+         std::ostream               &out);
+} // namespace emmy
+
+#endif

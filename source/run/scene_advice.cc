@@ -1,0 +1,229 @@
+#include <emmy/base/text.h>
+#include <emmy/run/scene_advice.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <ostream>
+#include <set>
+
+namespace emmy
+{
+  namespace
+  {
+    /** Steps in a period, and cells in a wave, that show it well. */
+    constexpr double steps_per_period = 10., cells_per_wave = 8.;
+
+    std::ostream &
+    line(std::ostream &out, const std::string &what)
+    {
+      return out << "  " << std::left << std::setw(22) << what;
+    }
+
+    template <int dim>
+    double
+    smallest(const dealii::Tensor<1, dim> &h)
+    {
+      double result = h[0];
+      for (unsigned int d = 1; d < dim; ++d)
+        result = std::min(result, h[d]);
+      return result;
+    }
+
+    template <int dim>
+    void
+    tell_waves(const Scene<dim> &scene,
+               const StepReport &initial,
+               std::ostream     &out)
+    {
+      const double h =
+        smallest<dim>(scene.grid.size_at(scene.grid.lower_corner()));
+      for (unsigned int b = 0; b < scene.bodies.size(); ++b)
+        {
+          const double speed =
+            std::sqrt(scene.material_of_body[b]->p_wave_modulus() /
+                      scene.bodies[b].density);
+          const double by_step = steps_per_period * speed * initial.time_step;
+          line(out, b == 0 ? "shortest waves" : "")
+            << "body " << scene.bodies[b].name << ": P-waves run "
+            << brief(speed) << " m/s, " << brief(speed * initial.time_step / h)
+            << " cells a step; " << steps_per_period
+            << " steps a period resolve waves of " << brief(by_step / h)
+            << " cells and more, the grid " << cells_per_wave << '\n';
+        }
+    }
+
+    /** Numbers that fit no solid in SI units. Empty: they may. */
+    std::string
+    suspicion(const double density, const double modulus)
+    {
+      const double speed = std::sqrt(modulus / density);
+      if (density < 1e-5)
+        return "a density of " + brief(density) +
+               " kg/m^3 is that of no solid; t/mm^3 and g/mm^3 are 1e12 and "
+               "1e6 kg/m^3";
+      if (speed > 2.5e4)
+        return "P-waves of " + brief(speed) +
+               " m/s are faster than in any solid. Is the density in g/cm^3 "
+               "(1000 kg/m^3), or the modulus in other units than Pa?";
+      if (density > 2000. && speed < 20.)
+        return "P-waves of " + brief(speed) +
+               " m/s are slow for a density of " + brief(density) +
+               " kg/m^3. Is the modulus in MPa (1e6 Pa) or GPa?";
+      return "";
+    }
+
+    template <int dim>
+    void
+    tell_units(const Scene<dim> &scene, std::ostream &out)
+    {
+      for (unsigned int b = 0; b < scene.bodies.size(); ++b)
+        {
+          const Body<dim> &body   = scene.bodies[b];
+          const double modulus    = scene.material_of_body[b]->p_wave_modulus();
+          const std::string words = suspicion(body.density, modulus);
+          if (!words.empty())
+            out << "  note: body <" << body.name << ">: " << words << '\n';
+          // a metal whose measures are tens of metres: millimetres
+          const double extent =
+            smallest<dim>(scene.grid.size_at(scene.grid.lower_corner()));
+          if (body.density > 2000. && modulus > 1e10 && extent > 1.)
+            out << "  note: body <" << body.name << "> has cells of "
+                << brief(extent)
+                << " m and the modulus of a metal or rock. Are lengths in mm? "
+                   "emmy takes m, kg, s\n";
+        }
+    }
+
+    template <int dim>
+    struct Counts
+    {
+      std::uint64_t on_faces = 0, cells = 0;
+      /** Particles whose boxes have a corner in another body, and two names. */
+      std::uint64_t overlaps = 0;
+      std::string   first, second;
+    };
+
+    /** Whether the box around a point has a corner in a shape. */
+    template <int dim>
+    bool
+    reaches(const dealii::Point<dim>     &center,
+            const dealii::Tensor<1, dim> &half,
+            const Shape<dim>             &shape)
+    {
+      for (unsigned int corner = 0; corner < (1u << dim); ++corner)
+        {
+          dealii::Point<dim> x = center;
+          for (unsigned int d = 0; d < dim; ++d) // bodies may touch
+            x[d] += (corner >> d & 1 ? 1. : -1.) * (1. - 1e-6) * half[d];
+          if (shape.contains(x))
+            return true;
+        }
+      return false;
+    }
+
+    /** Collective; the names are those of this rank. */
+    template <int dim>
+    Counts<dim>
+    count(const Scene<dim> &scene)
+    {
+      Counts<dim>                         counts;
+      std::set<CellKey<dim>>              cells;
+      std::vector<dealii::Tensor<1, dim>> half;
+      for (const Body<dim> &body : scene.bodies)
+        half.push_back(initial_half_length(body, scene.grid));
+      for (const auto &particle : scene.particles)
+        {
+          const auto  key = scene.grid.key_of(particle.get_surrounding_cell());
+          const auto &x   = particle.get_location();
+          const auto  place      = scene.grid.reference_position(key, x);
+          bool        is_on_face = false;
+          for (unsigned int d = 0; d < dim; ++d)
+            is_on_face =
+              is_on_face || place[d] < 1e-12 || place[d] > 1. - 1e-12;
+          counts.on_faces += is_on_face;
+          cells.insert(key);
+          const unsigned int b =
+            particle.get_properties()[scene.layout["body"]];
+          for (unsigned int other = 0; other < scene.bodies.size(); ++other)
+            if (other != b &&
+                reaches<dim>(x, half[b], *scene.bodies[other].shape))
+              {
+                ++counts.overlaps;
+                counts.first  = scene.bodies[b].name;
+                counts.second = scene.bodies[other].name;
+              }
+        }
+      const MPI_Comm communicator = scene.grid.communicator();
+      counts.cells =
+        dealii::Utilities::MPI::sum(std::uint64_t(cells.size()), communicator);
+      counts.on_faces =
+        dealii::Utilities::MPI::sum(counts.on_faces, communicator);
+      counts.overlaps =
+        dealii::Utilities::MPI::sum(counts.overlaps, communicator);
+      return counts;
+    }
+
+    template <int dim>
+    void
+    tell_cheaper(const SceneParameters<dim> &parameters,
+                 const Counts<dim>          &counts,
+                 const StepReport           &initial,
+                 std::ostream               &out)
+    {
+      const double in_cell = initial.totals.particles / double(counts.cells);
+      line(out, "particles a cell") << brief(in_cell) << '\n';
+      constexpr double enough = dim == 2 ? 16. : 64.;
+      if (in_cell > 1.2 * enough)
+        out << "  note: 4 particles in each direction of a cell are enough for "
+               "most scenes; half the Points per direction cost 1/"
+            << (1 << dim) << " in all that particles do\n";
+      // positions and fields as numbers of 4 to 8 bytes, compressed
+      const double bytes = 100. * initial.totals.particles *
+                           parameters.output.frames *
+                           parameters.output.particle_files;
+      if (bytes > 1e9)
+        out << "  note: particle files will be about " << brief(bytes / 1e9)
+            << " GB; fewer Output/Frames or Particle fields are cheaper\n";
+    }
+  } // namespace
+
+  template <int dim>
+  void
+  advise(const Scene<dim>           &scene,
+         const SceneParameters<dim> &parameters,
+         const StepReport           &initial,
+         std::ostream               &out)
+  {
+    if (!parameters.time.is_static())
+      tell_waves(scene, initial, out);
+    tell_units(scene, out);
+    const auto counts = count(scene);
+    if (counts.overlaps > 0)
+      out << "  note: the boxes of " << counts.overlaps
+          << " particles reach into another body"
+          << (counts.first.empty()
+                ? std::string()
+                : ", as of <" + counts.first + "> into <" + counts.second + ">")
+          << ": there is more mass than room. Leave a gap, or let faces lie on "
+             "the cells' lattice\n";
+    if (counts.on_faces > 0)
+      out << "  note: " << counts.on_faces
+          << " particles lie on faces of cells, to 1e-12 of their size: "
+             "round-off decides to which cell they belong. Shift the grid or "
+             "the body by a part of a cell, or take other Points per "
+             "direction\n";
+    tell_cheaper(parameters, counts, initial, out);
+  }
+
+  template void
+  advise<2>(const Scene<2> &,
+            const SceneParameters<2> &,
+            const StepReport &,
+            std::ostream &);
+  template void
+  advise<3>(const Scene<3> &,
+            const SceneParameters<3> &,
+            const StepReport &,
+            std::ostream &);
+} // namespace emmy

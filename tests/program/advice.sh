@@ -1,0 +1,81 @@
+#!/bin/sh
+# What emmy --check advises: each note where its cause is, and not elsewhere.
+emmy=$1
+source=$2
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+failed=0
+n=0
+has() # TEXT COMMAND-LINE...: its output has the text
+{
+  text=$1
+  shift
+  n=$((n + 1))
+  "$emmy" --check "$@" >"$work/out" 2>&1
+  grep -qF -- "$text" "$work/out" || { echo "FAILED: no <$text> for $*"; failed=1; }
+}
+lacks()
+{
+  text=$1
+  shift
+  n=$((n + 1))
+  "$emmy" --check "$@" >"$work/out" 2>&1
+  ! grep -qF -- "$text" "$work/out" || { echo "FAILED: <$text> for $*"; failed=1; }
+}
+block=$source/prm/examples/block.prm
+# c = sqrt(134615/1000) = 11.6 m/s, a step of 0.5 h/c
+has 'P-waves run 11.6024 m/s, 0.5 cells a step; 10 steps a period resolve waves of 5 cells' "$block"
+has 'particles a cell      16' "$block"
+for text in 'Is the modulus' 'Are lengths in mm' 'no solid' 'faster than' 'on faces' 'another body' 'Points per direction cost'; do
+  lacks "$text" "$block"
+done
+has 'Is the modulus in MPa' "$block" --set "Materials/rubber/Density=7850" --set "Materials/rubber/Young's modulus=210000"
+has 'Are lengths in mm' "$block" --set "Materials/rubber/Density=7850" --set "Materials/rubber/Young's modulus=2.1e11" \
+  --set "Grid/Upper corner=40,30" --set "Bodies/block/box/Lower corner=15,0" --set "Bodies/block/box/Upper corner=25,10"
+has 't/mm^3' "$block" --set "Materials/rubber/Density=7.85e-9" --set "Materials/rubber/Young's modulus=210000"
+has 'Is the density in g/cm^3' "$block" --set "Materials/rubber/Density=7.85" --set "Materials/rubber/Young's modulus=2.1e11"
+lacks 'Is the modulus' "$block" --set "Materials/rubber/Density=7850" --set "Materials/rubber/Young's modulus=2.1e11"
+has 'half the Points per direction cost 1/4' "$block" --set "Bodies/block/Points per direction=8"
+# one particle in a cell of 0.5 m stands on a face when the box is moved by 0.25 m
+has '4 particles lie on faces' "$block" --set "Bodies/block/Points per direction=1" \
+  --set "Bodies/block/box/Lower corner=1.25,0" --set "Bodies/block/box/Upper corner=2.25,1"
+# the face of a box stands in a disc
+cat >"$work/two.prm" <<'END'
+set Dimension = 2
+subsection Grid
+  set Lower corner = 0, 0
+  set Upper corner = 4, 4
+  set Cells = 8, 8
+end
+subsection Materials
+  set Names = m
+  subsection m
+    set Model = Hencky
+    set Density = 1000
+    set Young's modulus = 1e5
+    set Poisson's ratio = 0.3
+  end
+end
+subsection Bodies
+  set Names = disc, box
+  subsection disc
+    set Shape = ball(1, 1; 0.5)
+    set Material = m
+    set Points per direction = 2
+  end
+  subsection box
+    set Shape = box(1.43, 0.5; 2.43, 1.5)
+    set Material = m
+    set Points per direction = 2
+  end
+end
+subsection Time
+  set End time = 0.1
+  set Step rule = fixed
+  set Step size = 0.01
+end
+END
+has 'another body, as of <box> into <disc>' "$work/two.prm"
+lacks 'reach into another body' "$work/two.prm" --set "Bodies/box/Shape=box(1.5, 0.5; 2.5, 1.5)"
+echo "$n checks"
+exit $failed

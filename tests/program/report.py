@@ -1,0 +1,96 @@
+#!/usr/bin/env python3
+"""The page of a run, as a browser shows it: numbers of the ledger, curves, the
+film, the words of the scene; and a run without the library that draws.
+
+  report.py EMMY SOURCE
+
+Without Chromium the test is skipped, and says so; where CI is set it fails."""
+
+import csv
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+emmy, source = map(os.path.abspath, sys.argv[1:3])
+failed = []
+
+
+def check(fact, what):
+    print(("ok      " if fact else "FAILED: ") + what)
+    if not fact:
+        failed.append(what)
+
+
+def run(folder, *settings, environment=None):
+    words = [emmy, os.path.join(source, "prm", "examples", "block.prm"), "--overwrite"]
+    for setting in ("Time/End time=0.2", "Output/Pictures=false", "Output/Frames=4",
+                    "Output/Directory=" + folder) + settings:
+        words += ["--set", setting]
+    return subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          env=dict(os.environ, **(environment or {})))
+
+
+def dom_of(browser, page):
+    result = subprocess.run(
+        [browser, "--headless", "--no-sandbox", "--disable-gpu", "--window-size=1200,2000",
+         "--host-resolver-rules=MAP * ~NOTFOUND",  # no network
+         "--user-data-dir=" + tempfile.mkdtemp(dir="."), "--dump-dom", "file://" + os.path.abspath(page)],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=200)
+    return result.stdout
+
+
+def main():
+    browser = next((found for found in map(shutil.which, ("chromium", "chromium-browser", "google-chrome")) if found), None)
+    if browser is None:
+        print("NO BROWSER: report.html was not looked at. Install the package chromium.")
+        sys.exit(1 if os.environ.get("CI") else 77)
+    plain = run("plain")
+    check(plain.returncode == 0, "the run ends well")
+    dom = re.sub(r"<script>.*?</script>", "", dom_of(browser, "plain/report.html"), flags=re.S)
+    body = re.search(r"<body[^>]*>", dom).group()
+    check('data-ready="yes"' in body, "the page's script comes to its end")
+
+    with open("plain/ledger.csv") as file:
+        rows = list(csv.DictReader(file))
+    cells = dict(re.findall(r'data-column="([^"]*)">([^<]*)<', dom))
+    check(set(cells) == set(rows[-1]), "its table has the columns of the ledger")
+    check(all(float(cells[name]) == float(rows[-1][name]) for name in rows[-1]),
+          "and the numbers of the last row, to the last digit")
+    # energies, balance, two momenta, works, Newton, time step, and any column
+    check('data-curves="8"' in body, "eight pictures of curves")
+    check(len(re.findall(r"<canvas", dom)) >= 8 + 1, "each has its canvas")
+    check("linear_momentum_x" in dom and "total" in dom and "dygraph-legend" in dom, "curves are named")
+    check('data-frames="5"' in body, "the film has five frames")
+    # the last frame: how many particles
+    check(re.search(r'data-first="[-0-9.e]+ [-0-9.e]+ 64"', body) is not None, "with 64 particles")
+    first = re.search(r'data-first="([-0-9.e]+) ([-0-9.e]+) 64"', body)
+    check(first is not None and 1.5 < float(first.group(1)) < 2.5 and -0.3 < float(first.group(2)) < 1.2,
+          "the first one is in the block")
+    check("strain energy" in dom.split('id="label"')[1][:60], "its colours are named")
+    check("P-wave modulus" in dom, "the scene card is there")
+    check('href="ledger.csv"' in dom and 'href="parameters.prm"' in dom, "files are linked")
+    check("--overwrite" in dom and "parameters.prm" in dom, "it says how to repeat the run")
+    check(re.search(r"<td>Newton", dom) or "internal force" in dom, "it says where the time went")
+    check("http" not in dom, "nothing comes from the network")
+
+    bare = run("bare", environment={"EMMY_DYGRAPHS": "/nowhere"})
+    check(bare.returncode == 0 and "libjs-dygraphs" in bare.stdout, "without the library a run ends well and says so")
+    dom = dom_of(browser, "bare/report.html")
+    check('data-curves="0"' in dom and 'data-ready="yes"' in dom and "No curves" in dom and 'data-frames="5"' in dom,
+          "its page has all but the curves")
+    check(run("none", "Output/Report=false").returncode == 0 and not os.path.exists("none/report.html"),
+          "Report = false leaves it out")
+    print(f"{len(failed)} failed")
+    sys.exit(1 if failed else 0)
+
+
+work = tempfile.mkdtemp(prefix="report-")
+os.chdir(work)
+try:
+    main()
+finally:
+    os.chdir("/")
+    shutil.rmtree(work, ignore_errors=True)
