@@ -11,17 +11,19 @@ namespace emmy
     /** How often places may move before they stay where they are. */
     constexpr unsigned int most_moves = 12;
 
-    /** Whether points of the same bodies reach the same nodes and cells. */
+    /** Whether the same points reach the same nodes and cells. */
     template <int dim>
     bool
     have_same_nodes(const Stencils<dim> &a, const Stencils<dim> &b)
     {
       return a.groups.size() == b.groups.size() && a.node_ids == b.node_ids &&
+             a.order == b.order &&
              std::equal(a.groups.begin(),
                         a.groups.end(),
                         b.groups.begin(),
                         [](const auto &one, const auto &other) {
                           return one.body == other.body &&
+                                 one.n_points == other.n_points &&
                                  one.first_node == other.first_node &&
                                  one.origin == other.origin;
                         }) &&

@@ -120,7 +120,7 @@ namespace emmy
     unsigned int
     n_place_unknowns() const
     {
-      return n_used;
+      return has_boxes ? nq : dim;
     }
     void
     add_to_share(const std::vector<double> &local);
