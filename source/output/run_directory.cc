@@ -72,7 +72,7 @@ namespace emmy
     remove_old_run(const fs::path &folder)
     {
       const std::string run_files =
-        "(ledger\\.csv|parameters\\.prm|run\\.log|timing\\.json|fields\\.txt|"
+        "(ledger\\.csv|parameters\\.prm|run\\.log|timing\\.json|report\\.html|fields\\.txt|"
         "(particles|grid)(_[0-9]+(\\.[0-9]+)?\\.p?vtu|\\.pvd))(\\.new)?";
       std::string    kept     = remove_matching(folder, run_files);
       const fs::path pictures = folder / "pictures";
