@@ -293,8 +293,9 @@ namespace emmy
           }
         if (!jacobian)
           continue;
-        const ComponentBlocks blocks =
-          step.moving ? step.moving->blocks() : work->stiffness.blocks();
+        const ComponentBlocks blocks = step.moving
+                                         ? step.moving->finish_group(nodes)
+                                         : work->stiffness.blocks();
         if (sum)
           sum->add(nodes, blocks);
         else
