@@ -46,7 +46,7 @@ count 'tools' 'effects/tool|<tools>|"tools"|tool_work' \
   'tools|tool_contact|tool_motion|tool_parameters|tool_shapes|tool_surface' 2
 # the library
 count 'contact' 'effects/(body_)?contact|BodyContact|contact_overlap' \
-  'body_contact|contact_pair|contact_parameters|contact_search' 1
+  'body_contact|contact_exchange|contact_forces|contact_pair|contact_parameters|contact_search' 1
 count 'manufactured solution' 'manufactured' \
   'manufactured_solution|exact_motion' 1
 

@@ -298,6 +298,17 @@ namespace emmy
 
   template <int dim>
   bool
+  Balance<dim>::couples_by_weights() const
+  {
+    return std::any_of(effects.terms.begin(),
+                       effects.terms.end(),
+                       [](const auto &term) {
+                         return term->couples_by_weights();
+                       });
+  }
+
+  template <int dim>
+  bool
   Balance<dim>::has_loads() const
   {
     return std::any_of(effects.terms.begin(),

@@ -120,7 +120,7 @@ namespace emmy
     const bool has_nodes = dealii::Utilities::MPI::min(
       current && have_same_nodes(next.stencils, current->stencils) ? 1 : 0,
       start.rules.grid.communicator());
-    if (has_nodes)
+    if (has_nodes && !start.balance.couples_by_weights())
       {
         start.particles_to_grid.renew_momentum(next.stencils, next.points);
         return;

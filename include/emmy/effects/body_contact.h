@@ -61,6 +61,11 @@ namespace emmy
     classify(const Stencils<dim>       &stencils,
              const PointArrays<dim>    &points,
              const BackgroundGrid<dim> &grid) override;
+    bool
+    couples_by_weights() const override
+    {
+      return true;
+    }
     void
     couple(const Stencils<dim>           &stencils,
            const BackgroundGrid<dim>     &grid,

@@ -158,6 +158,16 @@ namespace emmy
       (void)couplings;
     }
 
+    /**
+     * Whether couple() keeps weights of nodes: then it is called also where
+     * points reach the nodes of before with other weights.
+     */
+    virtual bool
+    couples_by_weights() const
+    {
+      return false;
+    }
+
     /** Its own mass; null: it has none. */
     virtual const AddedMass<dim> *
     added_mass() const

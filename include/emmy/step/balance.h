@@ -111,6 +111,10 @@ namespace emmy
     bool
     has_loads() const;
 
+    /** Whether any effect does, see Effect::couples_by_weights(). */
+    bool
+    couples_by_weights() const;
+
     /** Once in a step: see Effect::classify(). Collective. */
     void
     classify(const Stencils<dim>       &stencils,
