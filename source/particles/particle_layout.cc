@@ -71,7 +71,7 @@ namespace emmy
     for (unsigned int d = 0; d < dim; ++d)
       size[d] = grid.cell_size()[d] / n;
     half = 0.5 / n * grid.cell_size();
-    if (const auto *const table = body.shape->table())
+    if (const auto *const table = body.shape ? body.shape->table() : nullptr)
       for (unsigned int d = 0; d < dim; ++d)
         {
           size[d] =
@@ -105,7 +105,7 @@ namespace emmy
     for (unsigned int d = 0; d < dim; ++d)
       if (from[d] > box.upper_bound(d) || from[d] + h[d] < box.lower_bound(d))
         return {};
-    if (const auto *const table = body.shape->table())
+    if (const auto *const table = body.shape ? body.shape->table() : nullptr)
       {
         std::vector<Point<dim>> points;
         for (const unsigned int row : rows_in(cell))

@@ -150,6 +150,13 @@ namespace
       return std::string("subsection Point load\nset Force = 0.3; 0") +
              (more.empty() ? "" : "; 0") + "\nset Points nearest to = 2, 1.5" +
              more + "\nend\n";
+    if (effect == "surface loads")
+      return "subsection Surface loads\nset Names = water\nsubsection water\n"
+             "set Pressure = 1\nend\nend\n";
+    if (effect == "mass damping")
+      return "subsection Mass damping\nset Rate = 1\nend\n";
+    if (effect == "viscous sides")
+      return "subsection Viscous sides\nset Sides = x-min\nend\n";
     if (effect == "contact")
       return "subsection Contact\nset Groups = block | ledge\nend\n";
     if (effect == "tools")

@@ -111,7 +111,7 @@ refused_set 'unknown model' \
   '<Materials/rubber/Model> is <Hooke>|Known are: Hencky' \
   'Materials/rubber/Model=Hooke'
 refused_set 'unknown effect' \
-  '<Effects/Names> is <gravitation>|Known are: gravity, point load, contact, tools, ghost stabilisation' 'Effects/Names=gravitation'
+  '<Effects/Names> is <gravitation>|Known are: gravity, point load, surface loads, mass damping, viscous sides, contact, tools, ghost stabilisation' 'Effects/Names=gravitation'
 refused_set 'unknown side of the grid' \
   '<Boundary conditions/Fixed> is <z-min>|no such side|x-min, x-max, y-min, y-max' \
   'Boundary conditions/Fixed=x-min, z-min'
