@@ -12,12 +12,10 @@ namespace emmy
     Field
     volume_ratio_field()
     {
-      return {
-        own_volume_field,
-        Field::Kind::scalar,
-        "1",
-        "det F - 1 of the particle's own motion, without the treatment of "
-        "locking"};
+      return {own_volume_field,
+              Field::Kind::scalar,
+              "1",
+              "det F - 1 of the particle's own motion, not that of the cell"};
     }
 
     Field

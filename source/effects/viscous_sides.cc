@@ -1,6 +1,8 @@
 #include <emmy/base/exceptions.h>
+#include <emmy/base/text.h>
 #include <emmy/effects/viscous_sides.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace emmy
@@ -10,11 +12,13 @@ namespace emmy
     const std::string &section)
     : EffectParameters<dim>(section)
   {
-    this->add_parameter("Sides",
-                        sides,
-                        "Sides of the grid where waves leave: a list of x-min, "
-                        "x-max, y-min, y-max, z-min, z-max. Material must "
-                        "stand at them. Required if viscous sides is named.");
+    this->add_parameter(
+      "Sides",
+      sides,
+      "Sides of the grid where waves leave: a list of x-min, "
+      "x-max, y-min, y-max, z-min, z-max. Material must "
+      "stand at them. What <Fixed> or <Roller> hold there takes "
+      "nothing up. Required if viscous sides is named.");
   }
 
   template <int dim>
@@ -30,7 +34,16 @@ namespace emmy
                              "leave, e.g. x-min, x-max."));
     std::vector<unsigned int> numbers;
     for (const std::string &side : sides)
-      numbers.push_back(side_number(side, dim, this->path(), "Sides"));
+      {
+        numbers.push_back(side_number(side, dim, this->path(), "Sides"));
+        AssertThrow(std::count(sides.begin(), sides.end(), side) == 1,
+                    ExcParameter(this->path(),
+                                 "Sides",
+                                 join(sides),
+                                 "<" + side +
+                                   "> stands there twice. Remove "
+                                   "one of them."));
+      }
     std::vector<typename ViscousSides<dim>::Waves> waves;
     for (const Material<dim> *material : effects.material_of_body)
       waves.push_back(

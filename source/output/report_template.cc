@@ -21,7 +21,7 @@ td, th { padding: 0.15em 0.9em 0.15em 0; text-align: left; vertical-align: top; 
 td.number { text-align: right; font-variant-numeric: tabular-nums; }
 .pair > div { min-width: 0; } .pair { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(500px, 100%), 1fr)); gap: 0.5em 2em; }
 .curves { height: 260px; width: 100%; margin-bottom: 2.2em; }
-.curves .dygraph-legend { background: rgba(255, 255, 255, 0.75); width: auto; font-size: 12px; }
+.curves .dygraph-legend { background: rgba(255, 255, 255, 0.75); width: auto; left: auto !important; right: 8px; font-size: 12px; }
 .bar { display: inline-block; height: 0.8em; background: #4a79b8; }
 .muted { color: #5d6670; }
 #last { columns: 3 300px; font-size: 13px; } #last div { display: flex; justify-content: space-between; }

@@ -4,13 +4,8 @@
 // number of ranks; a body cut in two is as one; what cannot be is refused; who
 // does not ask for it has none of its fields.
 
+#include "tangent.h"
 #include <emmy/effects/mean_dilatation.h>
-#include <emmy/step/middle_equation.h>
-
-#include <random>
-
-#include "../check.h"
-#include "../scene.h"
 
 using namespace emmy;
 using test::at_most;
@@ -18,9 +13,6 @@ using test::check;
 
 namespace
 {
-  std::mt19937                           random_numbers(7);
-  std::uniform_real_distribution<double> uniform(-1., 1.);
-
   /** A block, perhaps cut into bodies that touch within cells. */
   template <int dim>
   std::string
@@ -84,82 +76,17 @@ namespace
     return SceneParameters<dim>(ParameterFile::from_text(text, "test"));
   }
 
-  /** J du of an equation, and how r changes along du. */
-  template <int dim>
-  void
-  check_tangent(NonlinearEquation    &equation,
-                const GridStart<dim> &start,
-                Vector               &solution,
-                const std::string    &what)
-  {
-    equation.evaluate(solution, true);
-    Vector direction = solution;
-    for (auto &entry : direction)
-      entry = uniform(random_numbers);
-    start.active->constraints().set_zero(direction);
-    equation.expand(direction);
-    Vector expected = solution;
-    equation.system().jacobian.vmult(expected, direction);
-    start.active->constraints().set_zero(expected); // followers have none
-    Vector step = direction;
-    step *= 1e-6;
-    Vector change = solution;
-    for (const int sign : {1, -1})
-      {
-        equation.take(solution, step);
-        check(equation.evaluate(solution, false), what + ": has meaning");
-        if (sign == 1)
-          change = equation.system().residual;
-        else
-          change -= equation.system().residual;
-        equation.take_back(solution, step);
-        equation.evaluate(solution, true);
-        step *= -1.;
-      }
-    change *= 1. / 2e-6;
-    change -= expected;
-    at_most(what + ": derivative of the whole step",
-            change.l2_norm() / expected.l2_norm(),
-            1e-8);
-  }
-
   template <int dim>
   void
   check_tangent_of_start(const std::string &functions)
   {
-    const auto parameters = parsed<dim>(
+    test::check_tangent_of_start<dim>(
       block<dim>("set Geometry = start\nset Starved nodes = follow\n"
                  "set Shape functions = " +
                    functions + "\n",
-                 in_time));
-    Scene<dim> scene(parameters, MPI_COMM_WORLD);
-    scene.initial_report();
-    for (unsigned int i = 0; i < 3; ++i)
-      scene.advance();
-    const auto stencils =
-      scene.shape_functions->evaluate(scene.particles, scene.grid);
-    const auto           points = gather(stencils, scene.layout);
-    ParticlesToGrid<dim> to_grid(scene.grid,
-                                 scene.boundary_conditions,
-                                 scene.layout,
-                                 scene.mapping);
-    scene.balance.classify(stencils, points, scene.grid, nullptr);
-    auto &start         = to_grid(stencils,
-                          points,
-                          scene.balance.couplings(stencils,
-                                                  scene.grid,
-                                                  scene.boundary_conditions,
-                                                  nullptr));
-    start.velocity      = start.mean_velocity;
-    const auto equation = scene.balance.over(
-      {stencils, points, start, scene.state.time, 0.04, nullptr, nullptr});
-    Vector u = start.mean_velocity;
-    u *= 0.04;
-    start.active->constraints().expand(u);
-    check_tangent<dim>(*equation,
-                       start,
-                       u,
-                       std::to_string(dim) + "D, start, " + functions);
+                 in_time),
+      "start, " + functions,
+      3);
   }
 
   template <int dim>
@@ -167,52 +94,13 @@ namespace
   check_tangent_of_middle(const std::string &functions,
                           const std::string &update)
   {
-    const auto parameters = parsed<dim>(
+    test::check_tangent_of_middle<dim>(
       block<dim>("set Geometry = middle\nset Starved nodes = follow\n"
                  "set Domain update = " +
                    update + "\nset Shape functions = " + functions + "\n",
-                 in_time));
-    Scene<dim> scene(parameters, MPI_COMM_WORLD);
-    scene.initial_report();
-    for (unsigned int i = 0; i < 3; ++i)
-      scene.advance();
-    Places<dim> places =
-      scene.shape_functions->places(scene.particles, scene.grid);
-    PointArrays<dim> states = gather(places, scene.layout);
-    places                  = scene.middle->first(
-      std::move(places), states, 0.04, scene.domain_update.get(), scene.grid);
-    ParticlesToGrid<dim> to_grid(scene.grid,
-                                 scene.boundary_conditions,
-                                 scene.layout,
-                                 scene.mapping);
-    MiddleEquation<dim>  equation({{*scene.shape_functions,
-                                    scene.domain_update.get(),
-                                    scene.grid,
-                                    scene.layout,
-                                    scene.mapping},
-                                   scene.balance,
-                                   scene.boundary_conditions,
-                                   to_grid,
-                                   std::move(states),
-                                   scene.state.time,
-                                   0.04,
-                                   1e-8,
-                                   &scene.phases},
-                                 std::move(places));
-    Vector               u = equation.first_displacement();
-    // places settle where u is; they may move 12 times in all
-    for (unsigned int i = 0; i < 5; ++i)
-      {
-        equation.evaluate(u, true);
-        Vector none = u;
-        none        = 0.;
-        equation.take(u, none);
-      }
-    check_tangent<dim>(equation,
-                       equation.grid_start(),
-                       u,
-                       std::to_string(dim) + "D, middle, " + functions + ", " +
-                         update);
+                 in_time),
+      "middle, " + functions + ", " + update,
+      3);
   }
 
   /** Balances of a run over cells, and what it comes to. */

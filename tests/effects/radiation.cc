@@ -178,5 +178,20 @@ main(int argc, char *argv[])
       test::RunningScene<2> run{SceneParameters<2>(file)};
     },
     {"Viscous sides", "Sides", "it is required"});
+  test::check_throws_with(
+    [] {
+      ParameterFile file = ParameterFile::from_text(bar("0; 0"), "test");
+      file.set("Effects/Names=viscous sides");
+      file.set("Effects/Viscous sides/Sides=x-min, x-min");
+      test::RunningScene<2> run{SceneParameters<2>(file)};
+    },
+    {"Viscous sides", "Sides", "stands there twice"});
+  test::check_throws_with(
+    [] {
+      ParameterFile file = ParameterFile::from_text(bar("0; 0"), "test");
+      file.set("Effects/Names=mass damping");
+      test::RunningScene<2> run{SceneParameters<2>(file)};
+    },
+    {"Mass damping", "Rate", "must be positive"});
   return test::report();
 }

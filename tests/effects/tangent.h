@@ -28,6 +28,7 @@ namespace emmy
       Vector direction = solution;
       for (auto &entry : direction)
         entry = uniform(random_numbers);
+      start.active->constraints().set_zero(direction);
       equation.expand(direction);
       Vector expected = solution;
       equation.system().jacobian.vmult(expected, direction);
@@ -57,17 +58,23 @@ namespace emmy
       at_most(what + ": derivative of the whole step", error, 1e-8);
     }
 
-    /** Of the third step of a scene, 0.04 s. */
+    /**
+     * Of a step of a scene, 0.04 s.
+     * @param what    of the scene, for messages
+     * @param n_steps before it
+     */
     template <int dim>
     void
-    check_tangent_of_start(const std::string &text)
+    check_tangent_of_start(const std::string &text,
+                           const std::string &what    = "start",
+                           const unsigned int n_steps = 2)
     {
       const SceneParameters<dim> parameters(
         ParameterFile::from_text(text, "test"));
       Scene<dim> scene(parameters, MPI_COMM_WORLD);
       scene.initial_report();
-      scene.advance();
-      scene.advance();
+      for (unsigned int i = 0; i < n_steps; ++i)
+        scene.advance();
       const auto stencils =
         scene.shape_functions->evaluate(scene.particles, scene.grid);
       const auto           points = gather(stencils, scene.layout);
@@ -88,20 +95,25 @@ namespace emmy
       Vector u = start.mean_velocity;
       u *= 0.04;
       start.active->constraints().expand(u);
-      check_tangent<dim>(*equation, start, u, std::to_string(dim) + "D, start");
+      check_tangent<dim>(*equation,
+                         start,
+                         u,
+                         std::to_string(dim) + "D, " + what);
     }
 
     /** The same where places follow. */
     template <int dim>
     void
-    check_tangent_of_middle(const std::string &text)
+    check_tangent_of_middle(const std::string &text,
+                            const std::string &what    = "middle",
+                            const unsigned int n_steps = 2)
     {
       const SceneParameters<dim> parameters(
         ParameterFile::from_text(text, "test"));
       Scene<dim> scene(parameters, MPI_COMM_WORLD);
       scene.initial_report();
-      scene.advance();
-      scene.advance();
+      for (unsigned int i = 0; i < n_steps; ++i)
+        scene.advance();
       Places<dim> places =
         scene.shape_functions->places(scene.particles, scene.grid);
       PointArrays<dim> states = gather(places, scene.layout);
@@ -137,7 +149,7 @@ namespace emmy
       check_tangent<dim>(equation,
                          equation.grid_start(),
                          u,
-                         std::to_string(dim) + "D, middle");
+                         std::to_string(dim) + "D, " + what);
     }
 
   } // namespace test

@@ -7,6 +7,7 @@
 #include <emmy/base/surface.h>
 #include <emmy/effects/added_mass.h>
 #include <emmy/effects/given_motion.h>
+#include <emmy/effects/load_ramp.h>
 #include <emmy/effects/velocity_map.h>
 #include <emmy/material/material.h>
 #include <emmy/system/couplings.h>
@@ -21,22 +22,6 @@ namespace emmy
   template <int dim>
   class MovingPlaces;
   class ParameterFile;
-
-  /** How much of the loads acts. */
-  struct LoadRamp
-  {
-    double                   factor = 1.;
-    std::vector<std::string> names; ///< effects that it is for; empty: all
-
-    double
-    factor_of(const std::string &effect) const
-    {
-      for (const std::string &name : names)
-        if (name == effect)
-          return factor;
-      return names.empty() ? factor : 1.;
-    }
-  };
 
   /** All that is fixed while a step is solved. */
   template <int dim>

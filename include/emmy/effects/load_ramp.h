@@ -1,0 +1,26 @@
+#ifndef emmy_effects_load_ramp_h
+#define emmy_effects_load_ramp_h
+
+#include <string>
+#include <vector>
+
+namespace emmy
+{
+  /** How much of the loads acts. */
+  struct LoadRamp
+  {
+    double                   factor = 1.;
+    std::vector<std::string> names; ///< effects that it is for; empty: all
+
+    double
+    factor_of(const std::string &effect) const
+    {
+      for (const std::string &name : names)
+        if (name == effect)
+          return factor;
+      return names.empty() ? factor : 1.;
+    }
+  };
+} // namespace emmy
+
+#endif
