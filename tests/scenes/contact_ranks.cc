@@ -15,7 +15,7 @@ namespace
     const auto in = [](const std::string &plane, const std::string &space) {
       return dim == 2 ? plane : space;
     };
-    // they meet where ranks meet, and cross over
+    // they meet along a line or a plane that ranks cut, wherever they do
     return "set Dimension = " + std::to_string(dim) +
            "\nsubsection Grid\nset Lower corner = " + in("0, 0", "0, 0, 0") +
            "\nset Upper corner = " + in("6, 4", "5, 3, 3") +
@@ -25,16 +25,19 @@ namespace
            "set Model = Hencky\nset Density = 5\n"
            "set Young's modulus = 100\nset Poisson's ratio = 0.3\nend\nend\n"
            "subsection Bodies\nset Names = left, right\n"
-           "subsection left\nset Shape = ball\nset Material = m\n"
+           "subsection left\nset Shape = box\nset Material = m\n"
            "set Points per direction = 2\nset Initial velocity = " +
-           in("1; 0.2*x", "1; 0; 0.1*y") + "\nsubsection ball\nset Center = " +
-           in("2.2, 1.7", "1.7, 1.4, 1.5") +
-           "\nset Radius = 0.8\nend\nend\n"
-           "subsection right\nset Shape = ball\nset Material = m\n"
+           in("0.3 + 0.1*y; 1", "0.3; 1; 0.1*y") +
+           "\nsubsection box\nset Lower corner = " + in("1, 1", "1, 0.8, 0.8") +
+           "\nset Upper corner = " + in("5, 1.9", "4, 1.4, 2.2") +
+           "\nend\nend\n"
+           "subsection right\nset Shape = box\nset Material = m\n"
            "set Points per direction = 3\nset Initial velocity = " +
-           in("-1; 0", "-1; 0; 0") +
-           "\nsubsection ball\nset Center = " + in("4, 2.1", "3.4, 1.6, 1.5") +
-           "\nset Radius = 0.7\nend\nend\nend\n"
+           in("-0.3; -1 + 0.1*x", "-0.3; -1; 0") +
+           "\nsubsection box\nset Lower corner = " +
+           in("1.2, 2.1", "1.2, 1.6, 1") +
+           "\nset Upper corner = " + in("4.8, 2.9", "3.8, 2.1, 2") +
+           "\nend\nend\nend\n"
            "subsection Effects\nset Names = contact\nsubsection Contact\n"
            "set Groups = left | right\nset Friction coefficient = 0.3\n"
            "end\nend\nsubsection Time\nset End time = 2\n"
