@@ -121,6 +121,9 @@ namespace emmy
         return is_over_size ? size_of(plan, m) : table.seconds(m);
       }
 
+      /** Of seconds and error: what no member does better. */
+      std::vector<std::pair<double, double>>
+      front(const unsigned int q) const;
       void
       write_data(std::ostream &script, const unsigned int q) const;
       void
@@ -185,6 +188,21 @@ namespace emmy
       script << "unset multiplot\n";
     }
 
+    /** None, where the best have an error of 0. */
+    std::vector<std::pair<double, double>>
+    Picture::front(const unsigned int q) const
+    {
+      const std::vector<double> seconds = table.all_seconds();
+      const std::vector<double> errors  = table.errors(q);
+      const std::vector<bool>   is_best = pareto_front(seconds, errors);
+      std::vector<std::pair<double, double>> result;
+      for (unsigned int m = 0; m < seconds.size(); ++m)
+        if (is_best[m] && can_draw(seconds[m]) && can_draw(errors[m]))
+          result.emplace_back(seconds[m], errors[m]);
+      std::sort(result.begin(), result.end());
+      return result;
+    }
+
     /** Per quantity a block for each curve, and one of the front. */
     void
     Picture::write_data(std::ostream &script, const unsigned int q) const
@@ -197,16 +215,8 @@ namespace emmy
               script << abscissa(m) << ' ' << table.error(m, q) << '\n';
           script << "EOD\n";
         }
-      const std::vector<double> seconds = table.all_seconds();
-      const std::vector<double> errors  = table.errors(q);
-      const std::vector<bool>   is_best = pareto_front(seconds, errors);
-      std::vector<std::pair<double, double>> front;
-      for (unsigned int m = 0; m < seconds.size(); ++m)
-        if (is_best[m] && can_draw(seconds[m]) && can_draw(errors[m]))
-          front.emplace_back(seconds[m], errors[m]);
-      std::sort(front.begin(), front.end());
       script << "$front" << q << " << EOD\n";
-      for (const auto &[x, y] : front)
+      for (const auto &[x, y] : front(q))
         script << x << ' ' << y << '\n';
       script << "EOD\n";
     }
@@ -249,7 +259,7 @@ namespace emmy
       set_axis(script, "y", *least_y, *most_y, 1.5);
       std::string       plots;
       const std::string block = "$q" + std::to_string(q) + "c";
-      if (!is_over_size)
+      if (!is_over_size && !front(q).empty())
         plots = ", $front" + std::to_string(q) +
                 " using 1:2 with lines lc rgb '#c8c8c8' lw 5";
       for (unsigned int c = 0; c < curves.size(); ++c)
