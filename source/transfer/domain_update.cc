@@ -142,7 +142,12 @@ namespace emmy
         const dealii::Tensor<2, dim> F = Z * deformation(states, p);
         MiddleBox<dim>               box;
         if (is_stretch)
-          set_stretches(right_cauchy_green(F), F, Z, box);
+          {
+            if constexpr (dim == 2)
+              set_plane_stretches(F, Z, box);
+            else
+              set_stretches(right_cauchy_green(F), F, Z, box);
+          }
         else
           for (unsigned int d = 0; d < dim; ++d)
             {
@@ -180,6 +185,34 @@ namespace emmy
           for (unsigned int b = 0; b < dim; ++b)
             result[a][b] = 0.5 * Z[d][a] * F[b][d];
         return result;
+      }
+
+      /**
+       * U_dd and dU_dd/dL in the plane, where U = (C + J I) / t with
+       * t = sqrt(tr C + 2 J) and J = det F > 0 (Hoger and Carlson 1984).
+       */
+      static void
+      set_plane_stretches(const dealii::Tensor<2, 2> &F,
+                          const dealii::Tensor<2, 2> &Z,
+                          MiddleBox<2>               &box)
+      {
+        const dealii::Tensor<2, 2> z = transpose(Z) * F;
+        const double               J = determinant(F);
+        const dealii::Tensor<1, 2> C_dd(
+          {F[0][0] * F[0][0] + F[1][0] * F[1][0],
+           F[0][1] * F[0][1] + F[1][1] * F[1][1]});
+        const double t = std::sqrt(C_dd[0] + C_dd[1] + 2. * J);
+        for (unsigned int d = 0; d < 2; ++d)
+          box.half_length[d] = (C_dd[d] + J) / t;
+        for (unsigned int a = 0; a < 2; ++a)
+          for (unsigned int b = 0; b < 2; ++b)
+            {
+              const double dJ   = 0.5 * J * Z[b][a];
+              const double dC[] = {z[a][0] * F[b][0], z[a][1] * F[b][1]};
+              const double dt   = (0.5 * (dC[0] + dC[1]) + dJ) / t;
+              for (unsigned int d = 0; d < 2; ++d)
+                box.by_L[d][a][b] = (dC[d] + dJ - box.half_length[d] * dt) / t;
+            }
       }
 
       /**

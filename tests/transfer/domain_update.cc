@@ -1,7 +1,8 @@
 // The domains of GIMP follow a uniform deformation as their update says, in
 // the middle of the grid and next to its edge: l0 (det F)^(1/dim), l0 F_ii,
 // l0 U_ii, and the extent of the moved corners with the volume of F. Without
-// deformation they stay, however often a particle is moved.
+// deformation they stay, however often a particle is moved. In the middle of
+// a step it is the same, with its derivative.
 
 #include <emmy/effects/internal_force.h>
 #include <emmy/material/hencky.h>
@@ -31,6 +32,58 @@ namespace
           U[i][j] += std::sqrt(C.values[k]) * C.vectors[i][k] * C.vectors[j][k];
     test::check_close((U * U - transpose(F) * F).norm(), 0., 1e-14, "U U = C");
     return U;
+  }
+
+  /**
+   * In the middle of a step with displacement gradient L (at that place) the
+   * rule sees F = (I - L/2)^-1 F_old, and its derivative is that of
+   * differences.
+   */
+  template <int dim>
+  void
+  check_middle(const std::string       &name,
+               const DomainUpdate<dim> &update,
+               const Tensor<2, dim>    &F_old,
+               const Tensor<1, dim>    &initial,
+               const PointArrays<dim>  &states)
+  {
+    const Tensor<2, dim> I = dealii::unit_symmetric_tensor<dim>();
+    Tensor<2, dim>       L;
+    for (unsigned int i = 0; i < dim; ++i)
+      for (unsigned int j = 0; j < dim; ++j)
+        L[i][j] = 0.1 * std::sin(1. + 3. * i + 5. * j);
+    const auto middle = [&](const Tensor<2, dim> &L) {
+      return update.middle(states, 0, 0, invert(I - 0.5 * L));
+    };
+    const MiddleBox<dim> box = middle(L);
+    const Tensor<2, dim> F   = invert(I - 0.5 * L) * F_old;
+    const auto           U   = stretch<dim>(F);
+    for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double by_rule = name == "detF"
+                                 ? std::pow(determinant(F), 1. / dim)
+                               : name == "diagF" ? F[d][d]
+                                                 : U[d][d];
+        test::check_close(box.half_length[d],
+                          initial[d] * by_rule,
+                          1e-14,
+                          name + ": half-length in the middle");
+      }
+    const double step = 1e-5;
+    for (unsigned int i = 0; i < dim; ++i)
+      for (unsigned int j = 0; j < dim; ++j)
+        {
+          Tensor<2, dim> less = L, more = L;
+          less[i][j] -= step;
+          more[i][j] += step;
+          const auto difference =
+            (middle(more).half_length - middle(less).half_length) / (2. * step);
+          for (unsigned int d = 0; d < dim; ++d)
+            test::check_close(box.by_L[d][i][j],
+                              difference[d],
+                              1e-10,
+                              name + ": its derivative");
+        }
   }
 
   /** Half-lengths after a step with x -> x + (F - I)(x - center). */
@@ -116,6 +169,8 @@ namespace
                 mandel::symmetric_part<dim>(F * transpose(F), 1.) -
                   mandel::unit<dim>());
     (*update)(stencils, points, active, u, trial);
+    if (is_owner && name != "corners")
+      check_middle(name, *update, F, initial, trial);
     Tensor<1, dim> half_length;
     if (is_owner)
       half_length = trial.template get<dim>(layout["half_length"], 0);
