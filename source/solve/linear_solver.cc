@@ -8,6 +8,7 @@
 #include <emmy/solve/linear_solver.h>
 #include <emmy/solve/preconditioner.h>
 
+#include <Amesos.h>
 #include <Epetra_CrsGraph.h>
 
 #include <algorithm>
@@ -28,6 +29,10 @@ namespace emmy
       return result;
     }
 
+    /**
+     * LU: by KLU on one rank. On several MUMPS divides the matrix, which KLU
+     * would gather on one of them.
+     */
     class DirectSolver : public LinearSolver
     {
     public:
@@ -93,7 +98,7 @@ namespace emmy
       std::string
       name() const override
       {
-        return "direct (KLU)";
+        return is_divided ? "direct (MUMPS)" : "direct (KLU)";
       }
 
     private:
@@ -101,9 +106,15 @@ namespace emmy
       factorise(const Matrix &matrix)
       {
         LinearResult result;
+        is_divided = dealii::Utilities::MPI::n_mpi_processes(
+                       matrix.get_mpi_communicator()) > 1 &&
+                     Amesos().Query("Amesos_Mumps");
         try
           {
-            solver = std::make_unique<TW::SolverDirect>(control);
+            solver = std::make_unique<TW::SolverDirect>(
+              control,
+              TW::SolverDirect::AdditionalData(
+                /*output=*/false, is_divided ? "Amesos_Mumps" : "Amesos_Klu"));
             solver->initialize(matrix);
           }
         catch (const std::exception &)
@@ -114,7 +125,8 @@ namespace emmy
       }
 
       dealii::SolverControl             control;
-      bool                              is_scaled = false;
+      bool                              is_divided = false;
+      bool                              is_scaled  = false;
       Matrix                            scaled;
       Vector                            scale;
       std::unique_ptr<TW::SolverDirect> solver;
@@ -381,7 +393,7 @@ namespace emmy
                (state.n_failures == 0
                   ? std::string()
                   : ", which failed " + std::to_string(state.n_failures) +
-                      " times; then direct (KLU)");
+                      " times; then " + direct.name());
       }
 
     private:

@@ -44,32 +44,58 @@ namespace emmy
                           travel / std::sqrt(square));
     }
 
-    /** The parts of all ranks. Collective. */
+    /** Around positions and velocities of parts. */
     template <int dim>
-    std::vector<typename TravelLimit<dim>::Part>
-    gathered(const std::vector<typename TravelLimit<dim>::Part> &own,
-             const MPI_Comm                                      communicator)
+    struct Bounds
     {
-      std::vector<double> numbers;
-      for (const auto &part : own)
+      Tensor<1, dim> x_low, x_high, v_low, v_high;
+
+      Bounds() = default;
+
+      explicit Bounds(const typename TravelLimit<dim>::Part &part)
+        : x_low(part.x)
+        , x_high(part.x)
+        , v_low(part.v)
+        , v_high(part.v)
+      {}
+
+      void
+      include(const typename TravelLimit<dim>::Part &part)
+      {
         for (unsigned int d = 0; d < dim; ++d)
           {
-            numbers.push_back(part.x[d]);
-            numbers.push_back(part.v[d]);
+            x_low[d]  = std::min(x_low[d], part.x[d]);
+            x_high[d] = std::max(x_high[d], part.x[d]);
+            v_low[d]  = std::min(v_low[d], part.v[d]);
+            v_high[d] = std::max(v_high[d], part.v[d]);
           }
-      std::vector<typename TravelLimit<dim>::Part> all;
-      for (const auto &of_rank :
-           dealii::Utilities::MPI::all_gather(communicator, numbers))
-        for (std::size_t i = 0; i < of_rank.size(); i += 2 * dim)
-          {
-            all.emplace_back();
-            for (unsigned int d = 0; d < dim; ++d)
-              {
-                all.back().x[d] = of_rank[i + 2 * d];
-                all.back().v[d] = of_rank[i + 2 * d + 1];
-              }
-          }
-      return all;
+      }
+    };
+
+    /** Whether no part of one can limit a step because of the other. */
+    template <int dim>
+    bool
+    are_harmless(const Bounds<dim> &a,
+                 const Bounds<dim> &b,
+                 const double       travel,
+                 const double       time_step)
+    {
+      double square = 0.;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          const double a_faster = a.v_high[d] - b.v_low[d],
+                       b_faster = b.v_high[d] - a.v_low[d],
+                       fastest =
+                         std::max(std::abs(a_faster), std::abs(b_faster));
+          square += fastest * fastest;
+          // the gap, and how fast it closes at most
+          const double up   = b.x_low[d] - a.x_high[d] - reach_of_parts,
+                       down = a.x_low[d] - b.x_high[d] - reach_of_parts;
+          if ((up > 0. && a_faster * time_step <= up) ||
+              (down > 0. && b_faster * time_step <= down))
+            return true;
+        }
+      return std::sqrt(square) * time_step <= travel;
     }
 
     /** A tree of parts: boxes around positions and velocities. */
@@ -81,9 +107,9 @@ namespace emmy
 
       struct Node
       {
-        std::size_t    first, last;
-        unsigned int   children = 0; ///< of the first of two; 0: a leaf
-        Tensor<1, dim> x_low, x_high, v_low, v_high;
+        std::size_t  first, last;
+        unsigned int children = 0; ///< of the first of two; 0: a leaf
+        Bounds<dim>  bounds;
 
         Node(const std::size_t first, const std::size_t last)
           : first(first)
@@ -108,25 +134,18 @@ namespace emmy
       void
       divide(const unsigned int n)
       {
-        Node &node = nodes[n];
-        node.x_low = node.x_high = parts[node.first].x;
-        node.v_low = node.v_high = parts[node.first].v;
+        Node &node  = nodes[n];
+        node.bounds = Bounds<dim>(parts[node.first]);
         for (std::size_t i = node.first; i < node.last; ++i)
-          for (unsigned int d = 0; d < dim; ++d)
-            {
-              node.x_low[d]  = std::min(node.x_low[d], parts[i].x[d]);
-              node.x_high[d] = std::max(node.x_high[d], parts[i].x[d]);
-              node.v_low[d]  = std::min(node.v_low[d], parts[i].v[d]);
-              node.v_high[d] = std::max(node.v_high[d], parts[i].v[d]);
-            }
+          node.bounds.include(parts[i]);
         const std::size_t first = node.first, last = node.last,
                           middle = (first + last) / 2;
         if (last - first <= 4)
           return;
-        unsigned int longest = 0;
+        const Tensor<1, dim> extent  = node.bounds.x_high - node.bounds.x_low;
+        unsigned int         longest = 0;
         for (unsigned int d = 1; d < dim; ++d)
-          if (node.x_high[d] - node.x_low[d] >
-              node.x_high[longest] - node.x_low[longest])
+          if (extent[d] > extent[longest])
             longest = d;
         std::nth_element(parts.begin() + first,
                          parts.begin() + middle,
@@ -168,35 +187,11 @@ namespace emmy
       }
 
     private:
-      using Node = typename Tree<dim>::Node;
-
-      /** Whether no part of one can limit the step because of the other. */
-      bool
-      is_harmless(const Node &a, const Node &b) const
-      {
-        double square = 0.;
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            const double a_faster = a.v_high[d] - b.v_low[d],
-                         b_faster = b.v_high[d] - a.v_low[d],
-                         fastest =
-                           std::max(std::abs(a_faster), std::abs(b_faster));
-            square += fastest * fastest;
-            // the gap, and how fast it closes at most
-            const double up   = b.x_low[d] - a.x_high[d] - reach_of_parts,
-                         down = a.x_low[d] - b.x_high[d] - reach_of_parts;
-            if ((up > 0. && a_faster * longest <= up) ||
-                (down > 0. && b_faster * longest <= down))
-              return true;
-          }
-        return std::sqrt(square) * longest <= travel;
-      }
-
       void
       visit(const unsigned int a, const unsigned int b)
       {
-        const Node &from = own.nodes[a], &to = all.nodes[b];
-        if (is_harmless(from, to))
+        const auto &from = own.nodes[a], &to = all.nodes[b];
+        if (are_harmless(from.bounds, to.bounds, travel, longest))
           return;
         if (from.children == 0 && to.children == 0)
           {
@@ -222,6 +217,85 @@ namespace emmy
       const double     travel;
       double           longest;
     };
+
+    template <int dim>
+    std::vector<double>
+    packed(const std::vector<typename TravelLimit<dim>::Part> &parts)
+    {
+      std::vector<double> numbers;
+      for (const auto &part : parts)
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            numbers.push_back(part.x[d]);
+            numbers.push_back(part.v[d]);
+          }
+      return numbers;
+    }
+
+    /** Adds the parts of packed(). */
+    template <int dim>
+    void
+    unpack(const std::vector<double>                    &numbers,
+           std::vector<typename TravelLimit<dim>::Part> &parts)
+    {
+      for (std::size_t i = 0; i < numbers.size(); i += 2 * dim)
+        {
+          parts.emplace_back();
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              parts.back().x[d] = numbers[i + 2 * d];
+              parts.back().v[d] = numbers[i + 2 * d + 1];
+            }
+        }
+    }
+
+    /**
+     * Own parts, and those of other ranks that one of them could meet. Each
+     * rank knows the bounds of all others, and tells another what may come
+     * near these. Collective.
+     */
+    template <int dim>
+    std::vector<typename TravelLimit<dim>::Part>
+    those_in_reach(const std::vector<typename TravelLimit<dim>::Part> &own,
+                   const double                                        travel,
+                   const double   time_step,
+                   const MPI_Comm communicator)
+    {
+      using Part = typename TravelLimit<dim>::Part;
+      std::vector<Part> corners; // of the bounds; none without parts
+      if (!own.empty())
+        {
+          Bounds<dim> bounds(own.front());
+          for (const Part &part : own)
+            bounds.include(part);
+          corners = {{bounds.x_low, bounds.v_low},
+                     {bounds.x_high, bounds.v_high}};
+        }
+      const auto of_ranks =
+        dealii::Utilities::MPI::all_gather(communicator, packed<dim>(corners));
+      std::map<unsigned int, std::vector<double>> told;
+      for (unsigned int rank = 0; rank < of_ranks.size(); ++rank)
+        {
+          if (rank == dealii::Utilities::MPI::this_mpi_process(communicator) ||
+              of_ranks[rank].empty())
+            continue;
+          corners.clear();
+          unpack<dim>(of_ranks[rank], corners);
+          Bounds<dim> bounds(corners[0]);
+          bounds.include(corners[1]);
+          std::vector<Part> near;
+          for (const Part &part : own)
+            if (!are_harmless(Bounds<dim>(part), bounds, travel, time_step))
+              near.push_back(part);
+          if (!near.empty())
+            told[rank] = packed<dim>(near);
+        }
+      std::vector<Part> result = own;
+      for (const auto &[rank, numbers] :
+           dealii::Utilities::MPI::some_to_some(communicator, told))
+        unpack<dim>(numbers, result);
+      return result;
+    }
   } // namespace
 
   template <int dim>
@@ -344,7 +418,10 @@ namespace emmy
       parts(points, velocity_component, mass_component);
     return dealii::Utilities::MPI::min(
       time_to_meeting<dim>(
-        own, gathered<dim>(own, grid.communicator()), limit, result),
+        own,
+        those_in_reach<dim>(own, limit, result, grid.communicator()),
+        limit,
+        result),
       grid.communicator());
   }
 

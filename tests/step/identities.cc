@@ -16,6 +16,24 @@ namespace
     {"unconstrained", "W2"},
     {"inelastic", "W3"}};
 
+  /**
+   * In space every fifth scene of a list is solved: any two of its choices
+   * still meet. In the plane all are.
+   */
+  template <int dim>
+  class Selection
+  {
+  public:
+    bool
+    leaves_out()
+    {
+      return dim == 3 && n++ % 5 != 0;
+    }
+
+  private:
+    unsigned int n = 0;
+  };
+
   /** Some rank has no points, if there are several. */
   void
   check_points_of_ranks(const unsigned int n_own_points)
@@ -69,6 +87,7 @@ namespace
   void
   check_ghosts()
   {
+    Selection<dim> selection;
     for (const bool gimp : {false, true})
       for (const unsigned int ghosts : {1u, 2u, 3u})
         for (const double alpha : {1., 0., 0.7})
@@ -76,6 +95,8 @@ namespace
             for (const auto &[walls, name] : wall_mappings)
               for (const unsigned int n_iterations : {1u, 50u})
                 {
+                  if (selection.leaves_out())
+                    continue;
                   test::CloudOptions options;
                   // two points per cell, and enough where no ghost mass helps
                   options.n_points =
@@ -111,6 +132,7 @@ namespace
   void
   check_aggregation()
   {
+    Selection<dim> selection;
     for (const unsigned int points_per_cell : {1u, 2u, 3u, 4u})
       for (const bool gimp : {false, true})
         for (const bool plastic : {false, true})
@@ -120,6 +142,8 @@ namespace
                    {std::make_pair(0., 0.), {0.3, 0.}, {0., 0.1}})
                 for (const unsigned int n_iterations : {1u, 100u})
                   {
+                    if (selection.leaves_out())
+                      continue;
                     test::CloudOptions options;
                     options.n_points = points_per_cell * (dim == 2 ? 12 : 36);
                     // With one point per cell M~ is singular whoever follows,
@@ -208,6 +232,7 @@ namespace
   void
   check_methods()
   {
+    Selection<dim> selection;
     enum Walls
     {
       none,
@@ -223,6 +248,8 @@ namespace
                 for (const unsigned int n_iterations : {1u, 50u})
                   {
                     if (kind == none && walls != "constrained")
+                      continue;
+                    if (selection.leaves_out())
                       continue;
                     test::CloudOptions options;
                     options.n_points = dim == 2 ? 6 * 12 : 5 * 36;

@@ -29,7 +29,8 @@ namespace emmy
    * Owned by the scene, asked once a step. Cost: a sweep over the particles
    * and one sum over the ranks. Only where velocities differ by more than the
    * limit over the step, pairs of cells are compared, with a tree that leaves
-   * out those that cannot meet; each rank then knows the means of all cells.
+   * out those that cannot meet; ranks tell each other the bounds of their
+   * parts, and those that could come near another's.
    */
   template <int dim>
   class TravelLimit
