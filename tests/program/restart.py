@@ -3,9 +3,12 @@
 damaged checkpoints, other scenes, folders that cannot be written, chains of runs,
 failed steps. Each check has a name.
 
-  restart.py EMMY SOURCE_ROOT MPI_LAUNCHER
+  restart.py EMMY SOURCE_ROOT MPI_LAUNCHER [PART]... [any_byte=N]
+
+any_byte, which takes minutes, flips one bit of the newest checkpoint N times.
 """
 import os
+import random
 import shutil
 import signal
 import struct
@@ -297,6 +300,26 @@ def damage():
     refuses("no folder", "--restart", "nowhere", because="there is no checkpoint in <nowhere/checkpoints>")
 
 
+def any_byte(n):
+    print(f"Any of the bytes, {n} times", flush=True)
+    reference_and_run()
+    os.rename("run", "kept")
+    newest = "run/checkpoints/step-00000012"
+    generator = random.Random(n)
+    for i in range(n):
+        shutil.rmtree("run", ignore_errors=True)
+        shutil.copytree("kept", "run")
+        names = sorted(os.listdir(newest))
+        name = names[i % len(names)]
+        data = bytearray(content(f"{newest}/{name}"))
+        place, bit = generator.randrange(len(data)), generator.randrange(8)
+        data[place] ^= 1 << bit
+        with open(f"{newest}/{name}", "wb") as file:
+            file.write(data)
+        goes_on(f"bit {bit} of byte {place} of {name}")
+        check(says("continued from step 10"), "from the checkpoint before")
+
+
 def refusals():
     print("Other scenes", flush=True)
     reference_and_run()
@@ -452,6 +475,9 @@ def main():
         for part in (signals, early_signals, clock, damage, refusals, disks, chains, failures):
             if not only or part.__name__ in only:
                 part()
+        for word in only:
+            if word.startswith("any_byte="):
+                any_byte(int(word.split("=")[1]))
         os.chdir("/")
     print(", ".join(f"{number} {name}" for name, number in counts.items()))
     sys.exit(counts["failed"] > 0)
