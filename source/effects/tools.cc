@@ -134,7 +134,7 @@ namespace emmy
             }
         const auto resistance = [&](const double way) {
           motion.displacement = across.displacement + way * e;
-          std::array<double, 3> sums{};
+          std::vector<double> sums(3);
           for (const CornerMotion<dim> &particle : near)
             for_each_touch_of(
               t, motion, step, particle, [&](const Touch &touch) {
