@@ -24,6 +24,7 @@ namespace emmy
   Tools<dim>::mark(const BackgroundGrid<dim>               &grid,
                    dealii::Particles::ParticleHandler<dim> &particles) const
   {
+    found.communicator = grid.communicator();
     std::string text;
     for (const Tool<dim> &tool : tools)
       text += (text.empty() ? "" : "\n" + std::string(24, ' ')) +

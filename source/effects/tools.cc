@@ -332,8 +332,9 @@ namespace emmy
     std::vector<std::unique_ptr<PushCoupling<dim>>> couplings(tools.size());
     if (jacobian)
       couplings = push_couplings(step, u);
-    found.deepest   = 0.;
-    const auto take = [&](const CornerMotion<dim> &particle,
+    found.communicator = step.start.active->communicator();
+    found.deepest      = 0.;
+    const auto take    = [&](const CornerMotion<dim> &particle,
                           const Touch             &touch) {
       forces.add(particle, touch.arm, touch.force, touch.derivative);
       if (couplings[touch.tool])
