@@ -99,7 +99,7 @@ closes ring "$(value ring 'most("tool_plate_work")')"
 ran hammer
 closes hammer 450
 check "hammer: it flies off" awk -v p="$(value hammer 'last("tool_hammer_momentum")')" \
-  'BEGIN { exit !(p < -200) }'
+  'BEGIN { exit !(p < -100) }'
 check "hammer: the floor has pushed" awk -v f="$(value hammer 'most("tool_y_min_force_y")')" \
   'BEGIN { exit !(f > 1e3) }'
 finish
