@@ -41,9 +41,10 @@ count 'point load' 'point.?load' 'point_load|field_load' 2
 count 'moving walls' 'moving.?wall|wall_(velocit|displace|travel)' 'moving_walls' 4
 count 'wall mapping' 'wall.?mapping|(inelastic|unconstrained).?wall|wall_loss' \
   'wall_mapping' 5
-# the library, and the remedy for a side that moves along its normal
+# the library, the remedy for a side that moves along its normal, the parameters
+# of sides that only push
 count 'tools' 'effects/tool|<tools>|"tools"|tool_work' \
-  'tools|tool_contact|tool_motion|tool_parameters|tool_shapes|tool_surface' 2
+  'tools|tool_contact|tool_mesh|tool_motion|tool_parameters|tool_push|tool_records|tool_shapes|tool_sides|tool_surface' 3
 # the library
 count 'contact' 'effects/(body_)?contact|BodyContact|contact_overlap' \
   'body_contact|contact_exchange|contact_forces|contact_pair|contact_parameters|contact_search' 1

@@ -22,10 +22,11 @@ namespace emmy
                         this->shape_name,
                         "What the tool looks like: " +
                           join(tool_shape_library<dim>().names()) +
-                          (dim == 2 ? "" : " (cylinder in 3D only)") +
+                          (dim == 2 ? "" : " (cylinder and mesh in 3D only)") +
                           ". Its measures stand in a subsection of that name. "
                           "Required.");
     motion.declare(*this);
+    push.declare(*this);
     this->add_parameter("Stiffness",
                         stiffness,
                         "Of the penalty, in P-wave moduli M of the body over "
@@ -133,7 +134,8 @@ namespace emmy
             friction,
             spring_stiffness,
             friction > 0. ? first : Tool<dim>::none,
-            holds ? first : Tool<dim>::none};
+            holds ? first : Tool<dim>::none,
+            push.make(*this)};
   }
 
   template <int dim>
@@ -227,7 +229,8 @@ namespace emmy
                           "a tool";
     card.fields         = {deformation_gradient_field<dim>()};
     card.ledger_columns = {"contact_energy", "tool_NAME_work"};
-    for (const std::string &column : Tools<dim>::columns_of("NAME", false))
+    for (const std::string &column :
+         Tools<dim>::columns_of("NAME", false, false))
       card.ledger_columns.push_back(column);
     return card;
   }
@@ -246,8 +249,11 @@ namespace emmy
     for (const auto &tool : tools)
       {
         card.ledger_columns.push_back("tool_" + tool->name + "_work");
-        for (const std::string &column :
-             Tools<dim>::columns_of(tool->name, tool->is_turning()))
+        if (tool->is_pushed())
+          card.ledger_columns.push_back("tool_" + tool->name +
+                                        "_kinetic_energy");
+        for (const std::string &column : Tools<dim>::columns_of(
+               tool->name, tool->is_turning(), tool->is_pushed()))
           card.ledger_columns.push_back(column);
         for (const Field &field : tool->fields())
           card.fields.push_back(field);

@@ -2,6 +2,7 @@
 
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/effects/tool_mesh.h>
 #include <emmy/effects/tool_motion.h>
 #include <emmy/effects/tool_shapes.h>
 
@@ -57,24 +58,6 @@ namespace emmy
       AssertThrow(fact,
                   ExcParameter(section.path(), entry, shortest(value), what));
     }
-
-    template <int dim>
-    class Plane : public ToolShape<dim>
-    {
-    public:
-      explicit Plane(const Tensor<1, dim> &normal)
-        : normal(normal)
-      {}
-
-      SurfaceDistance<dim>
-      distance(const Tensor<1, dim> &r) const override
-      {
-        return {normal * r, normal, Tensor<2, dim>()};
-      }
-
-    private:
-      const Tensor<1, dim> normal;
-    };
 
     template <int dim>
     class PlaneParameters : public ToolShapeParameters<dim>
@@ -477,13 +460,15 @@ namespace emmy
       shapes.add(entry_of<dim, PlaneParameters<dim>>("plane", "a half-space"));
       shapes.add(entry_of<dim, BallParameters<dim>>(
         "ball", "ball; in plane strain a cylinder seen from its end"));
-      if (dim == 3)
+      if constexpr (dim == 3)
         shapes.add(entry_of<dim, CylinderParameters<dim>>(
           "cylinder", "circular cylinder, with rounded edges or endless"));
       shapes.add(
         entry_of<dim, BoxParameters<dim>>("box", "box with rounded edges"));
       shapes.add(entry_of<dim, ConeParameters<dim>>(
         "cone", "cone with a rounded tip; in plane strain a wedge"));
+      if constexpr (dim == 3)
+        shapes.add({"mesh", "closed surface in a file", make_mesh_parameters});
       return shapes;
     }();
     return library;

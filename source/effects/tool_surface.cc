@@ -18,11 +18,11 @@ namespace emmy
 {
   template <int dim>
   Surface<dim>
-  surface_of(const ToolShape<dim>     &shape,
-             const ToolMotion<dim>    &motion,
-             const double              time,
-             const dealii::Point<dim> &lower,
-             const dealii::Point<dim> &upper)
+  surface_of(const ToolShape<dim>         &shape,
+             const dealii::Point<dim>     &place,
+             const dealii::Tensor<2, dim> &directions,
+             const dealii::Point<dim>     &lower,
+             const dealii::Point<dim>     &upper)
   {
     constexpr double most = dim == 2 ? 200. : 40.;
 
@@ -43,9 +43,8 @@ namespace emmy
     const dealii::MappingQ1<dim> mapping;
     numbering.distribute_dofs(element);
 
-    const dealii::Point<dim> place  = motion.place(time);
-    const auto               turned = transpose(motion.directions(time));
-    dealii::Vector<double>   distance(numbering.n_dofs());
+    const auto             turned = transpose(directions);
+    dealii::Vector<double> distance(numbering.n_dofs());
     for (const auto &cell : numbering.active_cell_iterators())
       for (const unsigned int v : cell->vertex_indices())
         distance(cell->vertex_dof_index(v, 0)) =
@@ -69,14 +68,14 @@ namespace emmy
 
   template Surface<2>
   surface_of(const ToolShape<2> &,
-             const ToolMotion<2> &,
-             const double,
+             const dealii::Point<2> &,
+             const dealii::Tensor<2, 2> &,
              const dealii::Point<2> &,
              const dealii::Point<2> &);
   template Surface<3>
   surface_of(const ToolShape<3> &,
-             const ToolMotion<3> &,
-             const double,
+             const dealii::Point<3> &,
+             const dealii::Tensor<2, 3> &,
              const dealii::Point<3> &,
              const dealii::Point<3> &);
 } // namespace emmy

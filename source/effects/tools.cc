@@ -1,7 +1,6 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
 #include <emmy/effects/moving_places.h>
-#include <emmy/effects/tool_surface.h>
 #include <emmy/effects/tools.h>
 
 #include <algorithm>
@@ -12,13 +11,9 @@ namespace emmy
 
   namespace
   {
-    /** Deeper than this share of the spacing is worth a line. */
-    constexpr double deep = 0.05;
     /** A corner that goes through a tool deeper than this has jumped over it.
      */
     constexpr double missed = 0.05;
-    /** Nearer than this share of the spacing touches at the start. */
-    constexpr double touching = 1e-6;
 
     /** d x f in space. */
     template <int dim>
@@ -48,6 +43,12 @@ namespace emmy
     found.force.resize(tools.size());
     found.moment.resize(tools.size());
     found.sunk_in.resize(tools.size());
+    found.way.resize(tools.size());
+    found.speed.resize(tools.size());
+    pushed.resize(tools.size());
+    for (unsigned int t = 0; t < tools.size(); ++t)
+      if (tools[t].push)
+        pushed[t].speed = found.speed[t] = tools[t].push->initial_speed;
   }
 
   template <int dim>
@@ -70,81 +71,87 @@ namespace emmy
   }
 
   template <int dim>
-  std::vector<ToolStep<dim>>
-  Tools<dim>::motions(const StepData<dim> &step) const
+  dealii::Point<dim>
+  Tools<dim>::place_of(const unsigned int tool, const double time) const
   {
-    std::vector<ToolStep<dim>> result;
-    for (const Tool<dim> &tool : tools)
-      result.push_back(tool.motion.over(step.time, step.time_step));
+    const Tool<dim> &it = tools[tool];
+    return it.push
+             ? it.motion.place(time) + pushed[tool].travel * it.push->direction
+             : it.motion.place(time);
+  }
+
+  template <int dim>
+  typename Tools<dim>::Moves
+  Tools<dim>::motions(const StepData<dim>       &step,
+                      const std::vector<double> &u) const
+  {
+    Moves result;
+    result.pushed.resize(tools.size());
+    for (unsigned int t = 0; t < tools.size(); ++t)
+      {
+        result.tools.push_back(tools[t].motion.over(step.time, step.time_step));
+        if (!tools[t].push)
+          continue;
+        result.tools[t].place = place_of(t, step.time);
+        result.pushed[t]      = push(t, step, u, result.tools[t]);
+        if (!result.pushed[t].problem.empty())
+          result.problem = result.pushed[t].problem;
+      }
     return result;
   }
 
   template <int dim>
-  std::string
-  Tools<dim>::mark(const BackgroundGrid<dim>               &grid,
-                   dealii::Particles::ParticleHandler<dim> &particles) const
+  PushMotion
+  Tools<dim>::push(const unsigned int         t,
+                   const StepData<dim>       &step,
+                   const std::vector<double> &u,
+                   ToolStep<dim>             &motion) const
   {
-    std::string text;
-    for (const Tool<dim> &tool : tools)
-      text += (text.empty() ? "" : "\n" + std::string(24, ' ')) +
-              mark(tool, grid, particles);
-    return text;
-  }
-
-  template <int dim>
-  std::string
-  Tools<dim>::mark(const Tool<dim>                         &tool,
-                   const BackgroundGrid<dim>               &grid,
-                   dealii::Particles::ParticleHandler<dim> &particles) const
-  {
-    using namespace dealii::Utilities::MPI;
-    const bool    holds    = tool.held != Tool<dim>::none;
-    const auto    place    = tool.motion.place(0.);
-    const auto    to_frame = transpose(tool.motion.directions(0.));
-    std::uint64_t n_near   = 0;
-    double        stored = 0., deepest = 0.;
-    for (auto &particle : particles)
+    const ToolPush<dim>  &push   = *tools[t].push;
+    const Tensor<1, dim> &e      = push.direction;
+    const ToolStep<dim>   across = motion;
+    const double          told   = across.displacement * e;
+    AssertThrow(std::abs(told) <= 1e-12 * across.displacement.norm(),
+                ExcRun(push.section,
+                       "<Displacement> moves the tool by " + brief(told) +
+                         " m along the direction in which it is pushed, in "
+                         "the step from t = " +
+                         brief(step.time) + " s",
+                       "let <Displacement> be across that direction, or "
+                       "remove <Pushed along>."));
+    const MPI_Comm ranks = step.start.active->communicator();
+    for (double reach = step.time_step * std::abs(pushed[t].speed);;)
       {
-        const auto                  properties = particle.get_properties();
-        const ParticleCorners<dim> &corners =
-          corners_of_body[properties[fields.body]];
-        unsigned int held = 0;
-        for (unsigned int i = 0; i < corners.n; ++i)
-          {
-            const Tensor<1, dim> from =
-              particle.get_location() + corners[i] - place;
-            const double gap = tool.shape->distance(to_frame * from).value;
-            if (gap <= touching * corners.spacing)
-              {
-                ++n_near;
-                held |= 1u << i;
-              }
-            deepest = std::max(deepest, -gap / corners.spacing);
-            stored += contact_energy(law(tool, corners).stiffness,
-                                     gap,
-                                     holds && (held >> i & 1));
-          }
-        if (holds)
-          properties[tool.held] = held;
+        // what the tool may touch if it goes no farther than that
+        motion.displacement = across.displacement + reach * e;
+        std::vector<CornerMotion<dim>> near;
+        for (const Group &group : step.stencils.groups)
+          for (unsigned int q = 0; q < group.n_points; ++q)
+            {
+              auto particle = this->particle(step, group, q, u);
+              if (!is_far(motion, tools[t], particle))
+                near.push_back(std::move(particle));
+            }
+        const auto resistance = [&](const double way) {
+          motion.displacement = across.displacement + way * e;
+          std::vector<double> sums(3);
+          for (const CornerMotion<dim> &particle : near)
+            for_each_touch_of(
+              t, motion, step, particle, [&](const Touch &touch) {
+                sums[0] += e * touch.force;
+                sums[1] -= e * touch.derivative * e;
+                sums[2] += std::abs(e * touch.force);
+              });
+          dealii::Utilities::MPI::sum(sums, ranks, sums);
+          return PushResistance{sums[0], sums[1], sums[2]};
+        };
+        const PushMotion result =
+          pushed_motion(push, pushed[t], step.time, step.time_step, resistance);
+        motion.displacement = across.displacement + result.way * e;
+        if (std::abs(result.way) <= reach)
+          return result;
+        reach = 2. * std::abs(result.way);
       }
-    n_near  = sum(n_near, grid.communicator());
-    stored  = sum(stored, grid.communicator());
-    deepest = max(deepest, grid.communicator());
-    AssertThrow(!holds || n_near > 0,
-                ExcRun("Effects/Tools/" + tool.name,
-                       "nothing touches the tool at the start, so it can "
-                       "hold nothing",
-                       "put its <Reference point> on the surface of the "
-                       "body, or set Holds = false."));
-    return "tool <" + tool.name + ">: " +
-           (holds ? "holds " + std::to_string(n_near) + " corners, " : "") +
-           (deepest > touching
-              ? "overlaps bodies by up to " + brief(deepest) +
-                  " of their spacing, which stores " + brief(stored) + " J, "
-              : "") +
-           "stiffness " + brief(tool.stiffness) +
-           " M/s: a pressure of 1 % of the P-wave modulus M sinks in by " +
-           brief(0.01 / tool.stiffness) + " of the spacing s";
   }
 
   template <int dim>
@@ -184,7 +191,82 @@ namespace emmy
                          motion.displacement.norm();
     const double reach =
       arm_old + moved + 2. * motion.turn * (from.norm() + arm_old + moved);
-    return tool.shape->distance(motion.to_frame * from).value > reach;
+    const Tensor<1, dim> in_frame = motion.to_frame * from;
+    return tool.shape->least_distance(in_frame) > reach ||
+           tool.shape->distance(in_frame).value > reach;
+  }
+
+  template <int dim>
+  ContactPoint<dim>
+  Tools<dim>::point_of(const Tool<dim>         &tool,
+                       const unsigned int       corner,
+                       const ToolStep<dim>     &motion,
+                       const StepData<dim>     &step,
+                       const CornerMotion<dim> &particle) const
+  {
+    const Tensor<1, dim> from = particle.place +
+                                particle.F_old * (*particle.corners)[corner] -
+                                motion.place;
+    ContactPoint<dim> point;
+    point.place = motion.to_frame * from;
+    if (tool.held != Tool<dim>::none)
+      point.is_held =
+        is_held(tool, step.points.component(tool.held)[particle.p], corner);
+    if (tool.springs != Tool<dim>::none)
+      point.spring =
+        step.points.template get<dim>(tool.springs + dim * corner, particle.p);
+    return point;
+  }
+
+  template <int dim>
+  template <class Visit>
+  std::string
+  Tools<dim>::for_each_touch_of(const unsigned int       t,
+                                const ToolStep<dim>     &motion,
+                                const StepData<dim>     &step,
+                                const CornerMotion<dim> &particle,
+                                const Visit             &visit) const
+  {
+    const Tool<dim> &tool = tools[t];
+    std::string      problem;
+    if (is_far(motion, tool, particle))
+      return problem;
+    const ParticleCorners<dim> &corners = *particle.corners;
+    const ContactLaw            law     = this->law(tool, corners);
+    Tensor<2, dim>              by_seen = -0.5 * motion.spin;
+    for (unsigned int d = 0; d < dim; ++d)
+      by_seen[d][d] += 1.;
+    for (unsigned int i = 0; i < corners.n; ++i)
+      {
+        const auto           point = point_of(tool, i, motion, step, particle);
+        const Tensor<1, dim> arm   = particle.F * corners[i];
+        const Tensor<1, dim> seen  = particle.way_of(arm) - motion.displacement;
+        const Tensor<1, dim> from  = particle.place +
+                                    particle.F_old * corners[i] - motion.place +
+                                    0.5 * seen;
+        const Tensor<1, dim> way =
+          (seen - motion.spin * from) * motion.to_space;
+        const Contact<dim> here = contact(*tool.shape, law, point, way);
+        if (!here.acts && here.gap_old + here.gap_new < way.norm() &&
+            depth_on_way(
+              *tool.shape, point.place, way, 0.1 * missed * corners.spacing) >
+              missed * corners.spacing)
+          problem =
+            "particle " +
+            std::to_string(step.stencils.particles[particle.p]->get_id()) +
+            " goes through the tool <" + tool.name + "> within the step";
+        if (!here.acts && here.slip == 0.)
+          continue;
+        visit(Touch{t,
+                    i,
+                    arm,
+                    from,
+                    motion.to_space * here.force,
+                    motion.to_space * here.derivative *
+                      transpose(motion.to_space) * by_seen,
+                    here});
+      }
+    return problem;
   }
 
   template <int dim>
@@ -198,57 +280,10 @@ namespace emmy
     std::string problem;
     for (unsigned int t = 0; t < tools.size(); ++t)
       {
-        const Tool<dim>     &tool   = tools[t];
-        const ToolStep<dim> &motion = motions[t];
-        if (is_far(motion, tool, particle))
-          continue;
-        const ParticleCorners<dim> &corners = *particle.corners;
-        const ContactLaw            law     = this->law(tool, corners);
-        const double                held    = tool.held == Tool<dim>::none
-                                                ? 0.
-                                                : step.points.component(tool.held)[particle.p];
-        for (unsigned int i = 0; i < corners.n; ++i)
-          {
-            const Tensor<1, dim> arm = particle.F * corners[i];
-            const Tensor<1, dim> from_old =
-              particle.place + particle.F_old * corners[i] - motion.place;
-            const Tensor<1, dim> seen =
-              particle.way_of(arm) - motion.displacement;
-            const Tensor<1, dim> from = from_old + 0.5 * seen;
-            const Tensor<1, dim> way =
-              (seen - motion.spin * from) * motion.to_space;
-            ContactPoint<dim> point;
-            point.place   = motion.to_frame * from_old;
-            point.is_held = is_held(tool, held, i);
-            if (tool.springs != Tool<dim>::none)
-              point.spring =
-                step.points.template get<dim>(tool.springs + dim * i,
-                                              particle.p);
-            const Contact<dim> here = contact(*tool.shape, law, point, way);
-            if (!here.acts && here.gap_old + here.gap_new < way.norm() &&
-                depth_on_way(*tool.shape,
-                             point.place,
-                             way,
-                             0.1 * missed * corners.spacing) >
-                  missed * corners.spacing)
-              problem =
-                "particle " +
-                std::to_string(step.stencils.particles[particle.p]->get_id()) +
-                " goes through the tool <" + tool.name + "> within the step";
-            if (!here.acts && here.slip == 0.)
-              continue;
-            Tensor<2, dim> by_seen = -0.5 * motion.spin;
-            for (unsigned int d = 0; d < dim; ++d)
-              by_seen[d][d] += 1.;
-            visit(Touch{t,
-                        i,
-                        arm,
-                        from,
-                        motion.to_space * here.force,
-                        motion.to_space * here.derivative *
-                          transpose(motion.to_space) * by_seen,
-                        here});
-          }
+        const std::string wrong =
+          for_each_touch_of(t, motions[t], step, particle, visit);
+        if (!wrong.empty())
+          problem = wrong;
       }
     return problem;
   }
@@ -269,60 +304,79 @@ namespace emmy
   }
 
   template <int dim>
+  std::vector<std::unique_ptr<PushCoupling<dim>>>
+  Tools<dim>::push_couplings(const StepData<dim>       &step,
+                             const std::vector<double> &u) const
+  {
+    std::vector<std::unique_ptr<PushCoupling<dim>>> result(tools.size());
+    for (unsigned int t = 0; t < tools.size(); ++t)
+      if (tools[t].push)
+        result[t] =
+          std::make_unique<PushCoupling<dim>>(step,
+                                              u,
+                                              tools[t].push->direction);
+    return result;
+  }
+
+  template <int dim>
   std::string
   Tools<dim>::add(const StepData<dim> &step,
                   const Iterate<dim>  &iterate,
                   Vector              &force,
                   Matrix              *jacobian) const
   {
-    const auto                 motions = this->motions(step);
-    const std::vector<double> &u       = iterate.local_displacement;
+    const std::vector<double> &u     = iterate.local_displacement;
+    const Moves                moves = motions(step, u);
     CornerForces<dim>          forces(step, u, jacobian);
     std::string                problem;
+    std::vector<std::unique_ptr<PushCoupling<dim>>> couplings(tools.size());
+    if (jacobian)
+      couplings = push_couplings(step, u);
     found.communicator = step.start.active->communicator();
     found.deepest      = 0.;
+    const auto take    = [&](const CornerMotion<dim> &particle,
+                          const Touch             &touch) {
+      forces.add(particle, touch.arm, touch.force, touch.derivative);
+      if (couplings[touch.tool])
+        couplings[touch.tool]->add(particle, touch.arm, touch.derivative);
+      found.deepest =
+        std::max(found.deepest,
+                 -touch.contact.gap_new / particle.corners->spacing);
+      const unsigned int springs = tools[touch.tool].springs;
+      if (springs != Tool<dim>::none)
+        iterate.trial.set(springs + dim * touch.corner,
+                          particle.p,
+                          touch.contact.spring);
+    };
     for (const Group &group : step.stencils.groups)
       {
         for (unsigned int q = 0; q < group.n_points; ++q)
           {
             const auto particle = this->particle(step, group, q, u);
             begin_trial(particle, iterate.trial);
-            const std::string wrong =
-              for_each_touch(step, motions, particle, [&](const Touch &touch) {
-                forces.add(particle, touch.arm, touch.force, touch.derivative);
-                found.deepest =
-                  std::max(found.deepest,
-                           -touch.contact.gap_new / particle.corners->spacing);
-                const unsigned int springs = tools[touch.tool].springs;
-                if (springs != Tool<dim>::none)
-                  iterate.trial.set(springs + dim * touch.corner,
-                                    particle.p,
-                                    touch.contact.spring);
-              });
+            const std::string wrong = for_each_touch(step,
+                                                     moves.tools,
+                                                     particle,
+                                                     [&](const Touch &touch) {
+                                                       take(particle, touch);
+                                                     });
             if (!wrong.empty())
               problem = wrong;
             forces.finish(group, q);
+            for (const auto &coupling : couplings)
+              if (coupling)
+                coupling->finish(group, q);
           }
         forces.finish(group);
       }
-    forces.finish(force); // collective: also after a problem
-    return problem;
-  }
-
-  template <int dim>
-  std::vector<EnergyEntry>
-  Tools<dim>::energy_entries() const
-  {
-    using Kind = EnergyEntry::Kind;
-    std::vector<EnergyEntry> entries{{"contact_energy", Kind::stored, 0.}};
-    if (has_friction)
-      {
-        entries.push_back({"friction_energy", Kind::stored, 0.});
-        entries.push_back({"friction_dissipation", Kind::dissipated, 0.});
-      }
-    for (const Tool<dim> &tool : tools)
-      entries.push_back({"tool_" + tool.name + "_work", Kind::work, 0.});
-    return entries;
+    // collective: also after a problem
+    forces.finish(force);
+    if (jacobian)
+      found.rank_ones.clear();
+    for (unsigned int t = 0; t < tools.size(); ++t)
+      if (couplings[t])
+        couplings[t]->finish(moves.pushed[t].stiffness, found.rank_ones);
+    return moves.problem.empty() ? problem : moves.problem;
   }
 
   template <int dim>
@@ -331,31 +385,48 @@ namespace emmy
                        const Vector        &displacement,
                        const PointArrays<dim> &) const
   {
-    std::vector<EnergyEntry>  entries    = energy_entries();
-    const unsigned int        first_work = entries.size() - tools.size();
-    const auto                motions    = this->motions(step);
-    const std::vector<double> u = step.start.active->to_local(displacement);
+    std::vector<EnergyEntry>  entries = energy_entries();
+    const std::vector<double> u     = step.start.active->to_local(displacement);
+    const Moves               moves = motions(step, u);
+    const double              share = // of what is the same on all ranks
+      1. / dealii::Utilities::MPI::n_mpi_processes(
+             step.start.active->communicator());
     for (unsigned int t = 0; t < tools.size(); ++t)
       {
         found.force[t]   = Tensor<1, dim>();
         found.moment[t]  = Tensor<1, 3>();
         found.sunk_in[t] = 0.;
+        found.way[t]     = moves.pushed[t].way;
+        if (!tools[t].push)
+          continue;
+        const ToolPush<dim> &push   = *tools[t].push;
+        const double         way    = found.way[t];
+        const double         speed  = pushed[t].speed;
+        const double         change = 2. * (way / step.time_step - speed);
+        found.speed[t]              = speed + change;
+        entries[work_of(t)].change +=
+          share * push.force(step.time + 0.5 * step.time_step) * way;
+        entries[kinetic_energy_of(t)].change +=
+          share * push.mass * change * way / step.time_step;
       }
     for (const Group &group : step.stencils.groups)
       for (unsigned int q = 0; q < group.n_points; ++q)
         {
           const auto particle = this->particle(step, group, q, u);
-          for_each_touch(step, motions, particle, [&](const Touch &touch) {
+          for_each_touch(step, moves.tools, particle, [&](const Touch &touch) {
             const unsigned int   t      = touch.tool;
-            const ToolStep<dim> &motion = motions[t];
+            const ToolStep<dim> &motion = moves.tools[t];
+            Tensor<1, dim>       told   = motion.displacement;
+            if (tools[t].push)
+              told -= found.way[t] * tools[t].push->direction;
             entries[0].change += touch.contact.stored;
             if (has_friction)
               {
                 entries[1].change += touch.contact.spring_stored;
                 entries[2].change += touch.contact.slip;
               }
-            entries[first_work + t].change +=
-              touch.force * (motion.displacement + motion.spin * touch.from);
+            entries[work_of(t)].change +=
+              touch.force * (told + motion.spin * touch.from);
             found.force[t] -= touch.force;
             found.moment[t] -= moment_of(touch.from, touch.force);
             found.sunk_in[t] =
@@ -364,119 +435,6 @@ namespace emmy
           });
         }
     return entries;
-  }
-
-  template <int dim>
-  std::vector<EnergyEntry>
-  Tools<dim>::energies_at_start(const PointArrays<dim> &points,
-                                const double            time) const
-  {
-    std::vector<EnergyEntry> entries = energy_entries();
-    for (unsigned int t = 0; t < tools.size(); ++t)
-      {
-        const Tool<dim> &tool     = tools[t];
-        const auto       place    = tool.motion.place(time);
-        const auto       to_frame = transpose(tool.motion.directions(time));
-        double           stored   = 0.;
-        for (std::size_t p = 0; p < points.n_points(); ++p)
-          {
-            const ParticleCorners<dim> &corners =
-              corners_of_body[points.component(fields.body)[p]];
-            const auto F = tensor_field(points, fields.deformation_gradient, p);
-            for (unsigned int i = 0; i < corners.n; ++i)
-              {
-                const Tensor<1, dim> from =
-                  points.point(p) + F * corners[i] - place;
-                const bool held =
-                  tool.held != Tool<dim>::none &&
-                  is_held(tool, points.component(tool.held)[p], i);
-                stored +=
-                  contact_energy(law(tool, corners).stiffness,
-                                 tool.shape->distance(to_frame * from).value,
-                                 held);
-              }
-          }
-        entries[0].change += stored;
-        entries[entries.size() - tools.size() + t].change = stored;
-      }
-    return entries;
-  }
-
-  template <int dim>
-  std::vector<std::string>
-  Tools<dim>::columns_of(const std::string &name, const bool is_turning)
-  {
-    const std::string        tool = "tool_" + name + "_";
-    std::vector<std::string> columns;
-    for (const char *what : {"", "force_"})
-      for (unsigned int d = 0; d < dim; ++d)
-        columns.push_back(tool + what + "xyz"[d]);
-    for (unsigned int d = dim == 2 ? 2 : 0; d < 3; ++d)
-      columns.push_back(tool + "moment_" + "xyz"[d]);
-    columns.push_back(tool + "sinking");
-    if (is_turning)
-      columns.push_back(tool + "angle");
-    return columns;
-  }
-
-  template <int dim>
-  std::vector<StepMeasure>
-  Tools<dim>::measure(const PointArrays<dim> &,
-                      const double               time,
-                      const BackgroundGrid<dim> &grid)
-  {
-    std::vector<StepMeasure> result;
-    for (unsigned int t = 0; t < tools.size(); ++t)
-      {
-        const auto    &motion = tools[t].motion;
-        const MPI_Comm ranks  = grid.communicator();
-        const auto     place  = motion.place(time);
-        const auto force  = dealii::Utilities::MPI::sum(found.force[t], ranks);
-        const auto moment = dealii::Utilities::MPI::sum(found.moment[t], ranks);
-        std::vector<double> values;
-        for (unsigned int d = 0; d < dim; ++d)
-          values.push_back(place[d]);
-        for (unsigned int d = 0; d < dim; ++d)
-          values.push_back(force[d]);
-        for (unsigned int d = dim == 2 ? 2 : 0; d < 3; ++d)
-          values.push_back(moment[d]);
-        values.push_back(dealii::Utilities::MPI::max(found.sunk_in[t], ranks));
-        if (motion.is_turning())
-          values.push_back(motion.angle(time));
-        const auto names = columns_of(tools[t].name, motion.is_turning());
-        for (unsigned int i = 0; i < values.size(); ++i)
-          result.push_back({names[i], values[i]});
-      }
-    return result;
-  }
-
-  template <int dim>
-  std::vector<Surface<dim>>
-  Tools<dim>::surfaces(const double              time,
-                       const dealii::Point<dim> &lower,
-                       const dealii::Point<dim> &upper) const
-  {
-    std::vector<Surface<dim>> result;
-    for (const Tool<dim> &tool : tools)
-      result.push_back(
-        surface_of(*tool.shape, tool.motion, time, lower, upper));
-    return result;
-  }
-
-  template <int dim>
-  std::string
-  Tools<dim>::finding()
-  {
-    if (!found.communicator)
-      return "";
-    const double deepest =
-      dealii::Utilities::MPI::max(found.deepest, *found.communicator);
-    if (deepest <= std::max(deep, 2. * told_depth))
-      return "";
-    told_depth = deepest;
-    return "particles sink into a tool by up to " + brief(deepest) +
-           " of their spacing; a larger <Stiffness> of the tool, or smaller "
-           "steps, let them sink in less";
   }
 
   template class Tools<2>;

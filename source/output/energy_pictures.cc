@@ -11,7 +11,7 @@ namespace emmy
     /** A column of the ledger and how its curve is drawn. */
     struct Curve
     {
-      const char *column, *name, *style;
+      std::string column, name, style;
     };
 
     // Colours of Okabe and Ito, which the colour-blind can tell apart. The
@@ -37,6 +37,19 @@ namespace emmy
        "ghost stiffness loss",
        "lc rgb '#009e73' dt (4,4)"}};
 
+    /** Whether a column is the kinetic energy of a tool that is pushed. */
+    bool
+    is_of_tool(const std::string &column)
+    {
+      const std::string beginning = "tool_", ending = "_kinetic_energy";
+      return column.size() > beginning.size() + ending.size() &&
+             column.compare(0, beginning.size(), beginning) == 0 &&
+             column.compare(column.size() - ending.size(),
+                            ending.size(),
+                            ending) == 0;
+    }
+
+
     std::vector<Curve>
     present(const std::vector<Curve>       &curves,
             const std::vector<std::string> &columns)
@@ -46,6 +59,13 @@ namespace emmy
         if (std::find(columns.begin(), columns.end(), curve.column) !=
             columns.end())
           found.push_back(curve);
+      for (const std::string &column : columns)
+        if (is_of_tool(column))
+          {
+            const std::string tool = column.substr(5, column.size() - 20);
+            found.push_back(
+              {column, "kinetic, " + tool, "lc rgb '#0072b2' dt (4,4)"});
+          }
       return found;
     }
 
@@ -133,6 +153,9 @@ namespace emmy
 
     gnuplot::write_preamble(script, "energies", gnuplot::Canvas());
     write_frame(script, title, stored, (n_curves + 2) / 3);
+    // what stores energy in row 0 has worked there
+    script << "stats ledger using (" << sum(outside)
+           << ") every ::0::0 nooutput name 'before'\n";
     // Round-off below zero shall not open the axis down to the next tic.
     script << "lowest = 0.0\n";
     for (const Curve &curve : stored)
@@ -146,7 +169,8 @@ namespace emmy
            << " center top horizontal maxcols 3 Left reverse samplen 2\n\n"
            << "plot \\\n";
     if (!outside.empty())
-      script << "  ledger using (column('time')):(initial + " << sum(outside)
+      script << "  ledger using (column('time')):(initial - before_max + "
+             << sum(outside)
              << ") with lines lw 3.5 lc rgb '#c8c8c8' "
                 "title 'initial + external work', \\\n";
     script << "  ledger using (column('time')):(" << sum(stored)

@@ -19,9 +19,9 @@ namespace emmy
 {
   using dealii::Point;
 
-#ifdef EMMY_WITH_CGAL
   namespace
   {
+#ifdef EMMY_WITH_CGAL
     using Kernel  = CGAL::Exact_predicates_inexact_constructions_kernel;
     using Surface = CGAL::Surface_mesh<Kernel::Point_3>;
     namespace PMP = CGAL::Polygon_mesh_processing;
@@ -110,8 +110,65 @@ namespace emmy
                     : std::to_string(n) +
                         " edges with one triangle, e.g. at (" + place + ") m";
     }
-  } // namespace
+
+    /** Read, closed and with its faces outwards; see read_surface_mesh(). */
+    template <class Require>
+    Surface
+    read(const std::string &file, const double scale, const Require &require)
+    {
+      Surface surface;
+      // joins equal corners, splits polygons' edges where many meet, orients
+      const bool is_read = PMP::IO::read_polygon_mesh(file, surface);
+      require(is_read && surface.number_of_faces() > 0,
+              "no surface could be read from it. STL, OBJ, PLY and OFF are "
+              "known, by their endings .stl, .obj, .ply and .off");
+      for (const auto vertex : surface.vertices())
+        {
+          const auto &x         = surface.point(vertex);
+          surface.point(vertex) = {scale * x.x(), scale * x.y(), scale * x.z()};
+        }
+      PMP::triangulate_faces(surface);
+      const std::string holes = holes_of(surface);
+      require(holes.empty(),
+              "its surface is not closed: " + holes +
+                ". Close it, e.g. with MeshLab or Blender");
+      require(!PMP::does_self_intersect(surface),
+              "its surface cuts itself. Repair it, e.g. with MeshLab or "
+              "Blender; or write bodies that overlap to files of their own, "
+              "and take the union(mesh(...); mesh(...))");
+      PMP::orient_to_bound_a_volume(surface);
+      return surface;
+    }
 #endif
+
+    /** Call @p use with the surface. */
+    template <class Use>
+    auto
+    with_surface(const std::string &file,
+                 const double       scale,
+                 const std::string &section,
+                 const std::string &entry,
+                 const Use         &use)
+    {
+      const auto require = [&](const bool condition, const std::string &what) {
+        AssertThrow(condition, ExcParameter(section, entry, file, what + "."));
+      };
+      require(scale > 0.,
+              "its scale is " + shortest(scale) +
+                " and must be positive (m per unit of the file)");
+      require(std::ifstream(file).good(),
+              "there is no such file to read; a name without / in front counts "
+              "from the folder in which emmy is started");
+#ifndef EMMY_WITH_CGAL
+      require(false,
+              "this emmy was built without CGAL, which reads surfaces. Install "
+              "the package libcgal-dev and build anew");
+      return use();
+#else
+      return use(read(file, scale, require));
+#endif
+    }
+  } // namespace
 
   std::unique_ptr<Shape<3>>
   read_surface_mesh(const std::string &file,
@@ -119,43 +176,40 @@ namespace emmy
                     const std::string &section,
                     const std::string &entry)
   {
-    const auto require = [&](const bool condition, const std::string &what) {
-      AssertThrow(condition, ExcParameter(section, entry, file, what + "."));
+#ifdef EMMY_WITH_CGAL
+    const auto use = [](Surface surface) -> std::unique_ptr<Shape<3>> {
+      return std::make_unique<SurfaceMesh>(std::move(surface));
     };
-    require(scale > 0.,
-            "its scale is " + shortest(scale) +
-              " and must be positive (m per unit of the file)");
-    require(std::ifstream(file).good(),
-            "there is no such file to read; a name without / in front counts "
-            "from the folder in which emmy is started");
-#ifndef EMMY_WITH_CGAL
-    require(false,
-            "this emmy was built without CGAL, which reads surfaces. Install "
-            "the package libcgal-dev and build anew");
-    return nullptr;
 #else
-    Surface surface;
-    // joins equal corners, splits polygons' edges where many meet, orients
-    const bool is_read = PMP::IO::read_polygon_mesh(file, surface);
-    require(is_read && surface.number_of_faces() > 0,
-            "no surface could be read from it. STL, OBJ, PLY and OFF are "
-            "known, by their endings .stl, .obj, .ply and .off");
-    for (const auto vertex : surface.vertices())
-      {
-        const auto &x         = surface.point(vertex);
-        surface.point(vertex) = {scale * x.x(), scale * x.y(), scale * x.z()};
-      }
-    PMP::triangulate_faces(surface);
-    const std::string holes = holes_of(surface);
-    require(holes.empty(),
-            "its surface is not closed: " + holes +
-              ". Close it, e.g. with MeshLab or Blender");
-    require(!PMP::does_self_intersect(surface),
-            "its surface cuts itself. Repair it, e.g. with MeshLab or Blender; "
-            "or write bodies that overlap to files of their own, and take the "
-            "union(mesh(...); mesh(...))");
-    PMP::orient_to_bound_a_volume(surface);
-    return std::make_unique<SurfaceMesh>(std::move(surface));
+    const auto use = [] { return std::unique_ptr<Shape<3>>(); };
 #endif
+    return with_surface(file, scale, section, entry, use);
+  }
+
+  TriangleSurface
+  read_triangles(const std::string &file,
+                 const double       scale,
+                 const std::string &section,
+                 const std::string &entry)
+  {
+#ifdef EMMY_WITH_CGAL
+    const auto use = [](const Surface &surface) {
+      TriangleSurface result;
+      for (const auto vertex : surface.vertices())
+        result.corners.push_back(to_point(surface.point(vertex)));
+      for (const auto face : surface.faces())
+        {
+          auto        &corners = result.faces.emplace_back();
+          unsigned int n       = 0;
+          for (const auto vertex :
+               surface.vertices_around_face(surface.halfedge(face)))
+            corners[n++] = vertex.idx();
+        }
+      return result;
+    };
+#else
+    const auto use = [] { return TriangleSurface(); };
+#endif
+    return with_surface(file, scale, section, entry, use);
   }
 } // namespace emmy

@@ -249,6 +249,12 @@ namespace emmy
           "strained bodies get errors that finer grids and more steps make "
           "larger. Remedy: Method/Shape functions = GIMP");
       }
+    if (report.step == 1 && parameters.method.least_threshold > 0. &&
+        !balance.has(starved_nodes_effect))
+      report.notes.push_back(
+        "nodes that few particles reach are free, and bodies are pushed at "
+        "their edges: these may fold or tear off, and Newton may find no end. "
+        "Remedy: Method/Starved nodes = follow");
     measure(report);
     return report;
   }

@@ -98,7 +98,7 @@ namespace emmy
         for (const EffectCard &effect : account_cards(scene.mapping))
           add(effect);
         for (const EffectCard &effect :
-             wall_cards(scene.boundary_conditions, scene.balance))
+             wall_cards(parameters, scene.boundary_conditions, scene.balance))
           add(effect);
         add(parameters.diagnosis.card());
         add(displacement_card(scene.layout.has(start_position_field)));

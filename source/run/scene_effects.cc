@@ -293,15 +293,26 @@ namespace emmy
           parameters.method.template make_starved_nodes<dim>(layout));
         effects.name_new(starved_nodes_effect);
       }
+    const auto require_steps = [&](const std::string &name) {
+      if (is_explicit)
+        require_explicit(name, effects);
+      if (parameters.time.is_static())
+        require_static(name, effects);
+    };
+    if (parameters.contact_sides.are_present())
+      {
+        parameters.contact_sides.add_to(grid,
+                                        boundary_conditions,
+                                        effects,
+                                        layout);
+        require_steps(contact_sides_effect);
+      }
     for (const std::string &name : parameters.effect_names.names)
       {
         layout.set_effect(name);
         parameters.effects.at(name)->add_to(effects, layout);
         effects.name_new(name);
-        if (is_explicit)
-          require_explicit(name, effects);
-        if (parameters.time.is_static())
-          require_static(name, effects);
+        require_steps(name);
       }
     require_raised_loads(parameters);
     return effects;
@@ -331,7 +342,8 @@ namespace emmy
 
   template <int dim>
   std::vector<EffectCard>
-  wall_cards(const BoundaryConditions<dim> &boundary_conditions,
+  wall_cards(const SceneParameters<dim>    &parameters,
+             const BoundaryConditions<dim> &boundary_conditions,
              const Balance<dim>            &balance)
   {
     std::vector<EffectCard> cards;
@@ -344,6 +356,7 @@ namespace emmy
     cards.push_back(Reactions<dim>::card(
       balance.has(Reactions<dim>::card(nullptr).name) ? &boundary_conditions
                                                       : nullptr));
+    cards.push_back(contact_sides_card<dim>(parameters.contact_sides));
     return cards;
   }
 
@@ -363,7 +376,8 @@ namespace emmy
   template PointMapping            make_mapping(const SceneParameters<dim> &,    \
                                                 const BoundaryConditions<dim> &, \
                                                 const Balance<dim> &);           \
-  template std::vector<EffectCard> wall_cards(const BoundaryConditions<dim> &,   \
+  template std::vector<EffectCard> wall_cards(const SceneParameters<dim> &,      \
+                                              const BoundaryConditions<dim> &,   \
                                               const Balance<dim> &);
   INSTANTIATE(2)
   INSTANTIATE(3)

@@ -361,6 +361,7 @@ namespace emmy
     file.parse(dealii::ParameterAcceptor::prm);
     choose_method(file);
     dealii::ParameterAcceptor::parse_all_parameters();
+    method.least_threshold = contact_sides.template least_threshold<dim>();
     for (const std::string &name : effect_names.names)
       method.least_threshold =
         std::max(method.least_threshold, effects.at(name)->least_threshold());

@@ -1,5 +1,6 @@
 #include <emmy/base/text.h>
 #include <emmy/solve/newton.h>
+#include <emmy/solve/rank_one_update.h>
 
 #include <algorithm>
 #include <cmath>
@@ -142,6 +143,16 @@ namespace emmy
       if (solve.is_solved)
         solve =
           newton.linear_solver.solve(increment, right_side, linear_tolerance());
+      if (solve.is_solved)
+        {
+          const LinearResult update =
+            update_by_rank_ones(newton.linear_solver,
+                                equation.system().rank_ones,
+                                increment);
+          solve.iterations += update.iterations;
+          solve.is_solved = update.is_solved;
+          solve.problem   = update.problem;
+        }
       result.linear_iterations += solve.iterations;
       newton.phases.add_iterations("linear solve", solve.iterations);
       if (solve.is_solved)

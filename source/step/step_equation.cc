@@ -49,7 +49,10 @@ namespace emmy
       absolute_product(external_force, solution) +
       2. / step.time_step * absolute_product(step.start.momentum, solution);
     if (with_jacobian)
-      tangent = 0.;
+      {
+        tangent = 0.;
+        rank_ones.clear();
+      }
     if (step.moving)
       step.moving->begin(step, balance.point_forces(step));
     Vector force = active.make_vector();
@@ -68,6 +71,12 @@ namespace emmy
         found = agree_on_problem(active.communicator(), problem);
         if (!found.empty())
           return false;
+        if (const auto *source = dynamic_cast<const RankOneSource *>(
+              balance.effects.terms[i].get());
+            source && with_jacobian)
+          rank_ones.insert(rank_ones.end(),
+                           source->rank_ones().begin(),
+                           source->rank_ones().end());
         full_residual += force;
         force_scale = std::max(force_scale, force.l2_norm());
         total_work += absolute_product(force, solution);
@@ -94,6 +103,7 @@ namespace emmy
     return {free_residual,
             step.moving ? with_places : free_residual,
             tangent,
+            rank_ones,
             force_scale,
             total_work,
             &step.start.active->places()};

@@ -32,6 +32,8 @@ namespace emmy
       equation.expand(direction);
       Vector expected = solution;
       equation.system().jacobian.vmult(expected, direction);
+      for (const RankOne &term : equation.system().rank_ones)
+        expected.add(term.row * direction, term.column);
       start.active->constraints().set_zero(expected); // followers have none
       double error = 0.;
       for (const double h : {1e-6, 1e-7})

@@ -1,8 +1,11 @@
-// Facts about the effect tools: a block among tools that move, turn and rub
-// keeps all its balances; the equation of a step has the derivative that it
-// says, whether places stay or follow; what cannot be is refused.
+// Facts about the effect tools: a block among tools that move, turn, rub, and
+// are pushed by a force keeps all its balances; the equation of a step has the
+// derivative that it says, whether places stay or follow; what cannot be is
+// refused.
 
 #include "tangent.h"
+
+#include <fstream>
 
 using namespace emmy;
 using test::at_most;
@@ -34,27 +37,65 @@ namespace
            "\nsubsection box\nset Lower corner = " + in("1, 1", "1, 1, 1") +
            "\nset Upper corner = " + in("2, 2", "2, 2, 1.5") +
            "\nend\nend\nend\nsubsection Effects\nset Names = tools\n"
-           "subsection Tools\nset Names = floor, drum, punch\n"
+           "subsection Tools\nset Names = floor, drum, punch, hammer\n"
            "subsection floor\nset Shape = plane\nset Friction coefficient = "
            "0.3\nset Reference point = " +
            in("1, 0.98", "1, 0.98, 0") +
            "\nset Displacement = " + in("0.1*t; 0.4*t", "0.1*t; 0.4*t; 0") +
            "\nsubsection plane\nset Normal = " + in("0.05, 1", "0.05, 1, 0.1") +
-           "\nend\nend\nsubsection drum\nset Shape = ball\n"
+           "\nend\nend\nsubsection hammer\nset Shape = ball\n"
+           "set Friction coefficient = 0.2\nset Reference point = " +
+           in("2.5, 1.4", "2.5, 1.4, 0.3") +
+           "\nset Displacement = " + in("0.02*t; 0.2*t", "0.02*t; 0.2*t; 0") +
+           "\nset Rotation = t\n" + in("", "set Rotation axis = 0, 1, 1\n") +
+           "set Pushed along = " + in("-1, 0.1", "-1, 0.1, 0") +
+           "\nset Force = -20 - 10*t\nset Mass = 0.4\n"
+           "set Initial speed = 3\nsubsection ball\nset Radius = 0.48\n"
+           "end\nend\nsubsection drum\nset Shape = ball\n"
            "set Stiffness = 4\nset Friction coefficient = 5\n"
            "set Reference point = " +
            in("0.5, 1.6", "0.5, 1.6, 1.2") + "\nset Rotation = 2*t\n" +
            in("", "set Rotation axis = 0.1, 0.2, 1\n") +
            "subsection ball\nset Radius = 0.53\nend\nend\n"
-           "subsection punch\nset Shape = box\nset Reference point = " +
-           in("1.6, 2.2", "1.6, 2.2, 1.2") +
+           "subsection punch\nset Shape = " +
+           in("box", "mesh") +
+           "\nset Reference point = " + in("1.6, 2.2", "1.6, 2.2, 1.2") +
            "\nset Displacement = " + in("0; -0.5*t", "0; -0.5*t; 0") +
            "\nset Rotation = -t\n" + in("", "set Rotation axis = 0, 0, 1\n") +
-           "subsection box\nset Size = " + in("0.5, 0.5", "0.5, 0.5, 0.5") +
-           "\nset Rounding = 0.25\nend\nend\nend\nend\n"
+           in("subsection box\nset Size = 0.5, 0.5\nset Rounding = 0.25\n",
+              "subsection mesh\nset File = punch.off\nset Scale = 0.15\n"
+              "set Rounding = 0.1\n") +
+           "end\nend\nend\nend\n"
            "subsection Time\nset End time = 1\nset Step rule = fixed\n"
            "set Step size = 0.04\nend\n"
            "subsection Solver\nset Newton tolerance = 1e-15\nend\n";
+  }
+
+  /** A cube from -1 to 1, with one side drawn in to a point. */
+  void
+  write_punch()
+  {
+    std::ofstream file("punch.off");
+    file << "OFF\n9 14 0\n";
+    for (unsigned int i = 0; i < 8; ++i)
+      file << (i & 1 ? 1 : -1) << ' ' << (i & 2 ? 1 : -1) << ' '
+           << (i & 4 ? 1 : -1) << '\n';
+    file << "0 0.6 0\n";
+    for (const char *face : {"0 2 1",
+                             "1 2 3",
+                             "4 5 6",
+                             "5 7 6",
+                             "0 1 4",
+                             "1 5 4",
+                             "0 4 2",
+                             "4 6 2",
+                             "1 3 5",
+                             "3 7 5",
+                             "2 6 8",
+                             "6 7 8",
+                             "7 3 8",
+                             "3 2 8"})
+      file << "3 " << face << '\n';
   }
 
   /** Balances of a run, and that all that can happen does. */
@@ -80,7 +121,7 @@ namespace
          {"contact_energy", "friction_energy", "friction_dissipation"})
       check(std::abs(run.ledger[column]) > 1e-6 * scale,
             what + "there is " + column);
-    for (const char *tool : {"floor", "drum", "punch"})
+    for (const char *tool : {"floor", "drum", "punch", "hammer"})
       check(test::largest(run.column(std::string("tool_") + tool + "_work")) >
               1e-3 * scale,
             what + tool + " works");
@@ -92,7 +133,7 @@ namespace
         const std::string axis(1, "xyz"[d]);
         const auto        momentum = run.column("linear_momentum_" + axis);
         double            sum      = momentum.back() - momentum.front();
-        for (const char *tool : {"floor", "drum", "punch"})
+        for (const char *tool : {"floor", "drum", "punch", "hammer"})
           {
             const auto force =
               run.column(std::string("tool_") + tool + "_force_" + axis);
@@ -103,10 +144,30 @@ namespace
                 std::abs(sum) / test::largest(momentum),
                 1e-9);
       }
+    // a tool gains what force and bodies give it, to round-off
+    const auto of_hammer = run.column("tool_hammer_momentum"),
+               time      = run.column("time");
+    double gained = of_hammer.back() - of_hammer.front(), most = 0.;
+    for (unsigned int row = 1; row < dt.size(); ++row)
+      {
+        double along = 20. + 10. * (time[row] - 0.5 * dt[row]); // against e
+        for (unsigned int d = 0; d < 2; ++d)
+          along -=
+            run.column(std::string("tool_hammer_force_") + "xy"[d])[row] *
+            (d == 0 ? -1. : 0.1) / std::sqrt(1.01);
+        gained += dt[row] * along;
+        most = std::max(most, dt[row] * std::abs(along));
+      }
+    at_most(what + "momentum of a tool that is pushed",
+            std::abs(gained) / test::largest(of_hammer),
+            1e-13);
+    check(most > 0.1 * test::largest(of_hammer) &&
+            std::abs(of_hammer.front() - 1.2) < 1e-15,
+          what + "forces act on it");
     // and their moments, about the origin
     const auto spin = run.column("angular_momentum_z");
     double     sum  = spin.back() - spin.front();
-    for (const char *tool : {"floor", "drum", "punch"})
+    for (const char *tool : {"floor", "drum", "punch", "hammer"})
       {
         const auto of = [&](const char *name) {
           return run.column(std::string("tool_") + tool + name);
@@ -178,6 +239,14 @@ namespace
     refused(tool("set Shape = ball\nset Reference point = 0, 2\nset Holds = "
                  "true\nsubsection ball\nset Radius = 1\nend\n"),
             {"it/Holds", "only a plane can hold"});
+    const std::string pushed = plane + "set Pushed along = 0, -1\n";
+    refused(tool(plane + "set Force = 1\n"),
+            {"it/Force", "nothing pushes the tool"});
+    refused(tool(pushed + "set Force = 1\n"), {"it/Mass", "positive"});
+    refused(tool(pushed + "set Mass = 1\n"),
+            {"it/Force", "required for a tool that is pushed"});
+    refused(tool(pushed + "set Mass = 1\nset Force = x\n"),
+            {"it/Force", "Write a formula in t"});
     refused(tool(plane + "set Displacement = t\n"),
             {"it/Displacement", "Write 2 components"});
     refused(tool(plane + "set Displacement table = 0: 0, 0; 0: 1, 1\n"),
@@ -197,6 +266,7 @@ int
 main(int argc, char *argv[])
 {
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  write_punch();
   for (const char *geometry : {"start", "middle"})
     {
       check_run<2>(geometry);

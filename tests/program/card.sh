@@ -114,7 +114,7 @@ check 'base: ghost faces couple all but opposite corners' \
 emmy_run --check base.prm
 check 'base: absent effects have no numbers unless asked for' has_lines 0 out '^  absent +bytes'
 check 'base: absent effects are named' \
-  says out 'absent von Mises, Drucker-Prager, neo-Hooke, stress rule, locking treatment, explicit steps, static steps, GIMP, domain update, middle geometry, aggregation, gravity, point load, surface loads, mass damping, viscous sides, contact, tools, ghost stabilisation, manufactured solution, lumping, PIC, inelastic walls, unconstrained walls, moving walls, reactions, diagnosis, displacement output'
+  says out 'absent von Mises, Drucker-Prager, neo-Hooke, stress rule, locking treatment, explicit steps, static steps, GIMP, domain update, middle geometry, aggregation, gravity, point load, surface loads, mass damping, viscous sides, contact, tools, ghost stabilisation, manufactured solution, lumping, PIC, inelastic walls, unconstrained walls, moving walls, reactions, contact sides, diagnosis, displacement output'
 
 # agrees NAME CARD_NAME ARGUMENTS...: with the arguments the scene has the
 # effect; its card agrees with the run, and with what the scene without it says

@@ -396,6 +396,86 @@ namespace
             0.04);
   }
 
+  /**
+   * A mass of 100 bars falls on a bar of 1 m in a tube: by Hooke's law it
+   * presses by v sqrt(E m) at most and flies off after pi sqrt(m/E), as fast as
+   * it came. Of the bar's own mass a third swings along; 1 % is left to its
+   * waves.
+   */
+  Case
+  drop()
+  {
+    Case result;
+    result.walls        = "x-min, x-max, y-min";
+    result.upper        = "0.5, 1.5";
+    result.cells        = "2, 6";
+    result.upper_of_box = "0.5, 1";
+    result.density      = 10.;
+    result.time         = "set Step size = 0.001\nset End time = 1\n";
+    result.tools =
+      plate("0, 1.0001",
+            "0, -1",
+            "set Pushed along = 0, -1\nset Force = 0\nset Mass = 500\n"
+            "set Initial speed = 0.2\nset Stiffness = 100\n");
+    return result;
+  }
+
+  void
+  check_drop()
+  {
+    const SceneParameters<2> parameters(
+      ParameterFile::from_text(drop().text(), "drop"));
+    RunningScene<2> run(parameters);
+    run.advance(115);
+    check_balance(run, "drop");
+    const auto momentum = run.column("tool_plate_momentum"),
+               force    = run.column("tool_plate_force_y");
+    const double most   = *std::max_element(force.begin(), force.end());
+    check_number(most,
+                 0.2 * 0.5 * std::sqrt(1e6 * 1000.),
+                 0.02,
+                 "drop, largest force of Hooke's law");
+    check_number(-momentum.back(), momentum.front(), 0.01, "drop, rebound");
+    unsigned int n = 0;
+    for (const double value : force)
+      n += value > 0. ? 1 : 0;
+    check_number(n * 0.001,
+                 dealii::numbers::PI * std::sqrt(1e-3),
+                 0.02,
+                 "drop, time of contact");
+  }
+
+  /** A side that only pushes lets go of what a plane tool lets go of. */
+  void
+  check_side()
+  {
+    Case by_tool            = bounce<2>("0");
+    by_tool.shape           = "set Shape = ball\nsubsection ball\n"
+                              "set Center = 1.5, 0.55\nset Radius = 0.5\nend\n";
+    by_tool.tools           = plate("1.5, 0", "0, 1", "");
+    Case by_side            = by_tool;
+    by_side.effects         = "";
+    by_side.tools           = "";
+    std::string       text  = by_side.text();
+    const std::string walls = "set Roller = \n";
+    text.insert(text.find(walls), "set Contact = y-min\n");
+    const SceneParameters<2> of_tool(
+      ParameterFile::from_text(by_tool.text(), "tool"));
+    RunningScene<2> tool(of_tool);
+    tool.advance(30);
+    const auto               force_of_tool = tool.column("tool_plate_force_y");
+    const SceneParameters<2> of_side(ParameterFile::from_text(text, "side"));
+    RunningScene<2>          side(of_side);
+    side.advance(30);
+    check(side.column("tool_y_min_force_y") == force_of_tool,
+          "a side that pushes is a plane");
+    check(test::largest(force_of_tool) > 0. &&
+            side.ledger["tool_y_min_force_y"] == 0. &&
+            side.ledger["linear_momentum_y"] > 0.,
+          "it pushes, and lets go");
+    check_balance(side, "side");
+  }
+
   /** A thin plate that is faster than it is thick does not jump over a body. */
   void
   check_fast()
@@ -449,6 +529,8 @@ main(int argc, char *argv[])
       check_stopped();
       check_roll();
       check_fast();
+      check_drop();
+      check_side();
     }
   else
     {
@@ -473,6 +555,12 @@ main(int argc, char *argv[])
         8,
         "drawn bar",
         {"strain_energy", "tool_plate_work", "tool_plate_force_x"});
+      test::compare_ranks<2>(ParameterFile::from_text(drop().text(), "drop"),
+                             20,
+                             "drop",
+                             {"strain_energy",
+                              "tool_plate_kinetic_energy",
+                              "tool_plate_momentum"});
     }
   return test::report();
 }

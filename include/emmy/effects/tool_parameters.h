@@ -30,12 +30,18 @@ namespace emmy
     }
     bool
     is_turning() const;
+    bool
+    is_pushed() const
+    {
+      return push.is_given();
+    }
 
     const std::string name;
 
   private:
     std::string               shape_name;
     ToolMotionParameters<dim> motion;
+    ToolPushParameters<dim>   push;
     double stiffness = 10., friction = 0., spring_stiffness = 0.1;
     bool   holds = false;
     std::unique_ptr<ToolShapeParameters<dim>> shape;
@@ -60,10 +66,11 @@ namespace emmy
      * its cells, nodes that only it reaches let it tear off or fold: they must
      * follow earlier.
      */
+    static constexpr double threshold = dim == 2 ? 0.2 : 0.12;
     double
     least_threshold() const override
     {
-      return dim == 2 ? 0.2 : 0.12;
+      return threshold;
     }
 
     /** Of any tool; that of a scene has its names. */

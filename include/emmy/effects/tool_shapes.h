@@ -30,6 +30,33 @@ namespace emmy
     /** @param r from the tool's reference point, along its own axes, m */
     virtual SurfaceDistance<dim>
     distance(const dealii::Tensor<1, dim> &r) const = 0;
+
+    /** What that is at least, where it costs less. */
+    virtual double
+    least_distance(const dealii::Tensor<1, dim> &r) const
+    {
+      return distance(r).value;
+    }
+  };
+
+  /** A half-space below a plane through the reference point. */
+  template <int dim>
+  class Plane : public ToolShape<dim>
+  {
+  public:
+    /** @param normal out of the tool, of length 1 */
+    explicit Plane(const dealii::Tensor<1, dim> &normal)
+      : normal(normal)
+    {}
+
+    SurfaceDistance<dim>
+    distance(const dealii::Tensor<1, dim> &r) const override
+    {
+      return {normal * r, normal, dealii::Tensor<2, dim>()};
+    }
+
+  private:
+    const dealii::Tensor<1, dim> normal;
   };
 
   /** The section of a tool's shape, e.g. "Effects/Tools/plate/plane". */
@@ -46,7 +73,7 @@ namespace emmy
 
   /**
    * All shapes of tools: plane, ball, box with rounded edges, cone with a
-   * rounded tip; cylinder (3D).
+   * rounded tip; cylinder and mesh (3D).
    */
   template <int dim>
   Library<ToolShapeParameters<dim>> &

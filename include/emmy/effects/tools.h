@@ -4,13 +4,14 @@
 #include <emmy/effects/corner_forces.h>
 #include <emmy/effects/tool_contact.h>
 #include <emmy/effects/tool_motion.h>
+#include <emmy/effects/tool_push.h>
 
 #include <limits>
 #include <optional>
 
 namespace emmy
 {
-  /** A rigid body that moves as it is told. */
+  /** A rigid body that moves as it is told, or as a force pushes it. */
   template <int dim>
   struct Tool
   {
@@ -27,6 +28,8 @@ namespace emmy
     /** Fields of the particles: xi by corner, [dim * corner + c]; which corners
      * are held, as bits. */
     unsigned int springs = none, held = none;
+    /** Empty: it is not pushed. */
+    std::optional<ToolPush<dim>> push = {};
   };
 
   /**
@@ -38,7 +41,9 @@ namespace emmy
    * in the body, to round-off, whatever Newton has left. Where the grid is
    * undeformed in the middle of the step, a is that of the middle, a = Z a_t,
    * and dy = S u + L a; then the torque of f is that at the corner's place in
-   * the middle. Each corner has k = beta M s^(dim-2) / 2^(dim-1), with the
+   * the middle. A tool that is pushed finds its way in each evaluation, and
+   * is no unknown of Newton's: see pushed_motion(), PushCoupling. Each corner
+   * has k = beta M s^(dim-2) / 2^(dim-1), with the
    * P-wave modulus M of its body and the spacing s of its particles.
    *
    * Cost: a sweep over the particles in each evaluation, with their
@@ -46,7 +51,7 @@ namespace emmy
    * stiffness for those that touch.
    */
   template <int dim>
-  class Tools : public Effect<dim>
+  class Tools : public Effect<dim>, public RankOneSource
   {
   public:
     /** Numbers of the fields that the tools read. */
@@ -64,18 +69,20 @@ namespace emmy
     mark(const BackgroundGrid<dim>               &grid,
          dealii::Particles::ParticleHandler<dim> &particles) const override;
 
-    /** How deep corners have sunk in so far, as told in the log; of s. */
+    /** How deep corners have sunk in so far, as told in the log, of s; travel
+     * and speed of each tool that is pushed. */
     std::vector<double>
-    memory() const override
-    {
-      return {told_depth};
-    }
+    memory() const override;
     void
-    recall(const std::vector<std::vector<double>> &parts) override
-    {
-      told_depth = parts.front().front();
-    }
+    recall(const std::vector<std::vector<double>> &parts) override;
 
+    void
+    classify(const Stencils<dim> &,
+             const PointArrays<dim> &,
+             const BackgroundGrid<dim> &grid) override
+    {
+      found.communicator = grid.communicator();
+    }
     bool
     is_force() const override
     {
@@ -91,6 +98,14 @@ namespace emmy
         const Iterate<dim>  &iterate,
         Vector              &force,
         Matrix              *jacobian) const override;
+    const std::vector<RankOne> &
+    rank_ones() const override
+    {
+      return found.rank_ones;
+    }
+    /** Moves the tools that are pushed. */
+    void
+    end_step(const double time, const double time_step) override;
 
     std::vector<EnergyEntry>
     energies(const StepData<dim>    &step,
@@ -124,7 +139,9 @@ namespace emmy
 
     /** Names of the columns that a tool has. */
     static std::vector<std::string>
-    columns_of(const std::string &name, const bool is_turning);
+    columns_of(const std::string &name,
+               const bool         is_turning,
+               const bool         is_pushed);
 
   private:
     using Group = typename Stencils<dim>::Group;
@@ -139,8 +156,36 @@ namespace emmy
       const Contact<dim>    &contact;
     };
 
-    std::vector<ToolStep<dim>>
-    motions(const StepData<dim> &step) const;
+    /** All that is the same for the corners of a step. */
+    struct Moves
+    {
+      std::vector<ToolStep<dim>> tools;
+      std::vector<PushMotion>    pushed;  ///< 0 where it is not
+      std::string                problem; ///< on all ranks
+    };
+
+    /** Those of the step at a displacement of the local nodes. Collective. */
+    Moves
+    motions(const StepData<dim>       &step,
+            const std::vector<double> &local_displacement) const;
+    /** Find the way of a tool that is pushed, and add it to its motion. */
+    PushMotion
+    push(const unsigned int         tool,
+         const StepData<dim>       &step,
+         const std::vector<double> &local_displacement,
+         ToolStep<dim>             &motion) const;
+    /** Which entry is the work of a tool; which its kinetic energy, if it is
+     * pushed. */
+    unsigned int
+    work_of(const unsigned int tool) const;
+    unsigned int
+    kinetic_energy_of(const unsigned int tool) const
+    {
+      return work_of(tool) + 1;
+    }
+    /** Where the reference point is. */
+    dealii::Point<dim>
+    place_of(const unsigned int tool, const double time) const;
     CornerMotion<dim>
     particle(const StepData<dim>       &step,
              const Group               &group,
@@ -156,6 +201,25 @@ namespace emmy
                    const std::vector<ToolStep<dim>> &motions,
                    const CornerMotion<dim>          &particle,
                    const Visit                      &visit) const;
+    /** The same of one tool. */
+    template <class Visit>
+    std::string
+    for_each_touch_of(const unsigned int       tool,
+                      const ToolStep<dim>     &motion,
+                      const StepData<dim>     &step,
+                      const CornerMotion<dim> &particle,
+                      const Visit             &visit) const;
+    /** A corner as its tool sees it at the start of a step. */
+    ContactPoint<dim>
+    point_of(const Tool<dim>         &tool,
+             const unsigned int       corner,
+             const ToolStep<dim>     &motion,
+             const StepData<dim>     &step,
+             const CornerMotion<dim> &particle) const;
+    /** How tools that are pushed enter the derivative; of others null. */
+    std::vector<std::unique_ptr<PushCoupling<dim>>>
+    push_couplings(const StepData<dim>       &step,
+                   const std::vector<double> &local_displacement) const;
     bool
     is_far(const ToolStep<dim>     &motion,
            const Tool<dim>         &tool,
@@ -184,6 +248,9 @@ namespace emmy
       std::vector<dealii::Tensor<1, dim>> force;        ///< on the tools, N
       std::vector<dealii::Tensor<1, 3>>   moment;       ///< N m
       std::vector<double>                 sunk_in;      ///< of s
+      /** Of those pushed, in the step and at its end, m and m/s. */
+      std::vector<double>  way, speed;
+      std::vector<RankOne> rank_ones;
     };
 
     const std::vector<Tool<dim>>            tools;
@@ -191,6 +258,7 @@ namespace emmy
     const std::vector<ParticleCorners<dim>> corners_of_body;
     bool                                    has_friction = false;
     mutable Found                           found;
+    std::vector<PushState>                  pushed;          ///< by tool
     double                                  told_depth = 0.; ///< of s
   };
 } // namespace emmy

@@ -3,10 +3,29 @@
 
 #include <emmy/particles/shape.h>
 
+#include <array>
 #include <string>
+#include <vector>
 
 namespace emmy
 {
+  /** A surface of triangles. */
+  struct TriangleSurface
+  {
+    std::vector<dealii::Point<3>>            corners; ///< m
+    std::vector<std::array<unsigned int, 3>> faces;
+  };
+
+  /**
+   * The triangles of a closed surface, counter-clockwise from outside. Corners
+   * at the same place are one. Throws as read_surface_mesh().
+   */
+  TriangleSurface
+  read_triangles(const std::string &file,
+                 const double       scale,
+                 const std::string &section,
+                 const std::string &entry);
+
   /**
    * The inside of a closed surface of triangles. CGAL reads the file, STL,
    * OBJ, PLY or OFF, joins corners at the same place, and answers where a

@@ -43,7 +43,8 @@ namespace emmy
   /** What the effects of walls cost, present or not. */
   template <int dim>
   std::vector<EffectCard>
-  wall_cards(const BoundaryConditions<dim> &boundary_conditions,
+  wall_cards(const SceneParameters<dim>    &parameters,
+             const BoundaryConditions<dim> &boundary_conditions,
              const Balance<dim>            &balance);
 } // namespace emmy
 

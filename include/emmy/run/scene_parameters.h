@@ -6,6 +6,7 @@
 #include <emmy/effects/moving_walls.h>
 #include <emmy/effects/reactions.h>
 #include <emmy/effects/starved_nodes.h>
+#include <emmy/effects/tool_sides.h>
 #include <emmy/grid/boundary_conditions.h>
 #include <emmy/material/material.h>
 #include <emmy/output/measurement.h>
@@ -120,6 +121,7 @@ namespace emmy
     NameList                                              body_names;
     std::vector<std::unique_ptr<BodyParameters<dim>>>     bodies;
     BoundaryParameters                                    boundary_conditions;
+    ContactSideParameters                                 contact_sides;
     ReactionParameters                                    reactions;
     MovingWallParameters                                  moving_walls;
     NameList                                              effect_names;

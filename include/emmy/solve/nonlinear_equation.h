@@ -2,8 +2,10 @@
 #define emmy_solve_nonlinear_equation_h
 
 #include <emmy/system/node_places.h>
+#include <emmy/system/rank_one.h>
 
 #include <string>
+#include <vector>
 
 namespace emmy
 {
@@ -20,9 +22,11 @@ namespace emmy
      * that the equation eliminates by itself.
      */
     const Vector &reduced_residual;
-    Matrix       &jacobian;        ///< dr/du; Newton may add to it
-    double        scale      = 0.; ///< size of the forces that balance in r, N
-    double        work_scale = 0.; ///< of their works, sum |F||u|, J
+    Matrix       &jacobian; ///< dr/du; Newton may add to it
+    /** What dr/du has besides. */
+    const std::vector<RankOne> &rank_ones;
+    double scale      = 0.; ///< size of the forces that balance in r, N
+    double work_scale = 0.; ///< of their works, sum |F||u|, J
     /** Where the nodes of the unknowns are now; null: that is not known. */
     const NodePlaces *node_places = nullptr;
   };

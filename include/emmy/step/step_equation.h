@@ -71,11 +71,12 @@ namespace emmy
   private:
     const Balance<dim> &balance;
     const StepData<dim> step;
-    Vector           external_force, full_residual, free_residual, with_places;
-    Matrix           tangent;
-    PointArrays<dim> trial_states;
-    double           force_scale = 0., total_work = 0.;
-    std::string      found;
+    Vector external_force, full_residual, free_residual, with_places;
+    Matrix tangent;
+    std::vector<RankOne> rank_ones; ///< beside it
+    PointArrays<dim>     trial_states;
+    double               force_scale = 0., total_work = 0.;
+    std::string          found;
   };
 } // namespace emmy
 

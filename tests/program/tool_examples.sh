@@ -1,0 +1,105 @@
+#!/bin/sh
+# Scenes of prm/examples with tools and contact: each gives the right value that
+# its head names, closes its balance, and takes few iterations of Newton.
+#
+# Usage: tool_examples.sh EMMY SOURCE_ROOT
+set -u
+
+[ $# -eq 2 ] || { echo "usage: tool_examples.sh EMMY SOURCE_ROOT" >&2; exit 2; }
+# shellcheck source=tests/program/checks.sh
+. "$2/tests/program/checks.sh"
+emmy=$(absolute "$1")
+examples=$(absolute "$2")/prm/examples
+cd "$work" || exit 2
+
+# ran SCENE ARGUMENTS...: into the folder SCENE, without pictures
+ran()
+{
+  scene=$1
+  shift
+  emmy_run "$examples/$scene.prm" --set "Output/Directory=$scene" \
+    --set Output/Pictures=false --set Output/Frames=0 "$@"
+  check "$scene: exit code 0" [ "$status" -eq 0 ]
+}
+
+# value SCENE EXPRESSION: of columns, at the end (last), at the start (first), or
+# the largest size (most): "last(\"time\")"
+value()
+{
+  awk -F, -v OFMT=%.17g '
+    NR == 1 { for (i = 1; i <= NF; ++i) column[$i] = i; next }
+    { for (i = 1; i <= NF; ++i) { if (NR == 2) start[i] = $i; end[i] = $i
+        size = $i < 0 ? -$i : $i; if (size > largest[i]) largest[i] = size
+        sum[i] += $i } }
+    function last(c) { return end[column[c]] }
+    function first(c) { return start[column[c]] }
+    function most(c) { return largest[column[c]] }
+    function mean(c) { return sum[column[c]] / (NR - 2) }
+    END { print '"$2"' }' "$1/ledger.csv"
+}
+
+# near NAME VALUE RIGHT SHARE
+near()
+{
+  echo "$1: $2, right $3"
+  check "$1: $2 within $4 of $3" \
+    awk -v a="$2" -v b="$3" -v t="$4" 'BEGIN { d = a / b - 1; exit !(d < t && -d < t) }'
+}
+
+# closes SCENE SCALE: its balance to 1e-12 of an energy; Newton's iterations
+closes()
+{
+  error=$(value "$1" 'most("balance_error")')
+  check "$1: balance error $error of $2 J" \
+    awk -v e="$error" -v s="$2" 'BEGIN { exit !(e <= 1e-12 * s) }'
+  check "$1: at most 25 iterations in a step, 6 on average" \
+    awk -v m="$(value "$1" 'most("newton_iterations")')" \
+      -v a="$(value "$1" 'mean("newton_iterations")')" 'BEGIN { exit !(m <= 25 && a <= 6) }'
+}
+
+# Prandtl: (2 + pi) Y/sqrt(3) on half a metre
+ran punch
+near "punch, force of flow" "$(value punch 'last("tool_punch_force_y")')" 1.484e6 0.1
+closes punch "$(value punch 'most("tool_punch_work")')"
+
+# Coulomb: v^2/(2 mu g)
+ran sled
+near "sled, way" "$(value sled 'last("sled_x") - first("sled_x")')" 0.1699 0.05
+closes sled 250
+
+# Considere: the largest force
+ran neck
+near "neck, largest force" "$(value neck 'most("tool_grip_force_x")')" 2.915e5 0.02
+check "neck: the force falls" awk -v a="$(value neck '-last("tool_grip_force_x")')" \
+  -v b="$(value neck 'most("tool_grip_force_x")')" 'BEGIN { exit !(a < 0.95 * b) }'
+closes neck "$(value neck 'most("tool_grip_work")')"
+# what grip and wall bear is what the momentum loses, in each step
+check "neck: forces are changes of momentum to 1e-10" awk -F, '
+  NR == 1 { for (i = 1; i <= NF; ++i) c[$i] = i; next }
+  { if (NR > 2) {
+      f = $c["tool_grip_force_x"]; w = $c["wall_x_min_force_x"]; p = $c["linear_momentum_x"]
+      d = p - before + $c["time_step"] * (f + w); if (d < 0) d = -d
+      size = $c["time_step"] * (f < 0 ? -f : f)
+      if (size > 0 && d / size > worst) worst = d / size }
+    before = $c["linear_momentum_x"] }
+  END { print "neck, force without change of momentum", worst; exit !(worst < 1e-10) }' \
+  neck/ledger.csv
+
+# Sneddon, a quarter of a cone
+ran cone
+near "cone, force" "$(value cone 'last("tool_cone_force_z")')" 65.3 0.2
+closes cone "$(value cone 'most("tool_cone_work")')"
+
+# Timoshenko, half of a ring
+ran ring
+near "ring, force" "$(value ring 'last("tool_plate_force_y")')" 154 0.15
+closes ring "$(value ring 'most("tool_plate_work")')"
+
+# a hammer that flies off, and a side that only pushes
+ran hammer
+closes hammer 450
+check "hammer: it flies off" awk -v p="$(value hammer 'last("tool_hammer_momentum")')" \
+  'BEGIN { exit !(p < -100) }'
+check "hammer: the floor has pushed" awk -v f="$(value hammer 'most("tool_y_min_force_y")')" \
+  'BEGIN { exit !(f > 1e3) }'
+finish
