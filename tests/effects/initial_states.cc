@@ -226,7 +226,8 @@ namespace
     test::check_throws_with(
       [&] {
         const SceneParameters<2> parameters(
-          ParameterFile::from_text(ground(material, body, ""), "refused"));
+          ParameterFile::from_text(ground(material, body, "set End time = 1\n"),
+                                   "refused"));
         test::RunningScene<2> run(parameters);
       },
       words);

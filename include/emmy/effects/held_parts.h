@@ -50,7 +50,7 @@ namespace emmy
     measure(const PointArrays<dim>    &points,
             const double               time,
             const BackgroundGrid<dim> &grid) override;
-    /** Which part reaches no node, as soon as it does not. */
+    /** Which part held no node in the step before; each is told once. */
     std::string
     finding() override;
 
