@@ -151,7 +151,7 @@ namespace emmy
             "Unit weight",
             shortest(unit_weight),
             "level ground needs its weight per volume (N/m^3), density times "
-            "gravity.");
+            "acceleration.");
     require(water_level == not_given || buoyant_unit_weight > 0.,
             "Buoyant unit weight",
             shortest(buoyant_unit_weight),

@@ -422,7 +422,7 @@ namespace emmy
     const bool has_place =
       !time.is_explicit() && method.domain_update != "corners" &&
       (time.is_static() || method.stress_rule == "conserving");
-    bool may_lock = false;
+    bool may_lock = false, has_bodies = false;
     for (unsigned int m = 0; m < materials.size(); ++m)
       {
         const auto is_of = [&](const auto &body) {
@@ -432,9 +432,13 @@ namespace emmy
           !material_library<dim>()
              .find(materials[m]->model_name(), materials[m]->path(), "Model")
              .card.fields.empty();
-        may_lock |= (flows || materials[m]->is_nearly_incompressible()) &&
-                    std::any_of(bodies.begin(), bodies.end(), is_of);
+        if (std::none_of(bodies.begin(), bodies.end(), is_of))
+          continue;
+        has_bodies = true;
+        may_lock |= flows || materials[m]->is_nearly_incompressible();
       }
+    if (!has_bodies) // no scene, but the reference
+      return;
     treatment = has_place && may_lock ? "cell" : "none";
     // the parameters that a run writes say what it does
     auto &prm = dealii::ParameterAcceptor::prm;
