@@ -306,13 +306,14 @@ namespace emmy
                              shortest(period),
                              "it is required and must be positive (s)."));
     for (const Material<dim> *material : effects.material_of_body)
-      AssertThrow(material->history().empty(),
+      AssertThrow(material->history().empty() && material->parameters().empty(),
                   ExcParameter("Effects",
                                "Names",
                                "manufactured solution",
                                "it needs bodies of an elastic material, e.g. "
-                               "Hencky: the stress of others depends on what "
-                               "was before."));
+                               "Hencky, that is the same everywhere: the "
+                               "stress of others depends on what was before, "
+                               "or on where a particle was."));
     const double            omega = 2. * dealii::numbers::PI / period;
     const SharedMotion<dim> exact =
       motion == "vibration" ? vibration.make(omega) : vortex.make(omega);

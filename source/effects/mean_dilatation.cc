@@ -1,3 +1,4 @@
+#include <emmy/effects/cell_products.h>
 #include <emmy/effects/mean_dilatation.h>
 #include <emmy/effects/moving_places.h>
 
@@ -340,132 +341,22 @@ namespace emmy
                                  const Iterate<dim>  &iterate,
                                  Matrix              &jacobian) const
   {
-    const ActiveGrid<dim>    &active  = *step.start.active;
-    const double             *volumes = states.reference_volumes(step.points);
-    std::vector<unsigned int> index_of(active.n_local_nodes());
-    std::vector<double>       share;
-    if (step.moving)
-      share.resize(dim * active.n_local_nodes());
-    CellVectors                vectors;
-    dealii::FullMatrix<double> block;
+    const double     *volumes = states.reference_volumes(step.points);
+    CellProducts<dim> products(step, iterate, work->cells, work->links);
     for (const auto &pool : work->cells.pools)
       {
-        const unsigned int *nodes = active.coupled_nodes(pool.first_coupled);
-        const unsigned int  n     = pool.node_ids.size();
-        for (unsigned int a = 0; a < n; ++a)
-          index_of[nodes[a]] = a;
-        vectors.reinit(dim * n);
+        products.begin(pool);
         for (const std::size_t p : pool.points)
           {
             const double V0 = volumes[p];
-            add_point(step,
-                      iterate,
-                      p,
-                      {V0,
-                       V0 * work->points[p].volume_ratio / pool.volume,
-                       V0 / pool.volume},
-                      index_of,
-                      vectors);
+            products.add_point(p,
+                               {V0,
+                                V0 * work->points[p].volume_ratio / pool.volume,
+                                V0 / pool.volume});
           }
-        for (unsigned int i = 0; i < dim * n; ++i)
-          vectors.pi[i] += pool.own_by_mean * vectors.t[i];
-        block.reinit(dim * n, dim * n, true);
-        for (unsigned int i = 0; i < dim * n; ++i)
-          for (unsigned int k = 0; k < dim * n; ++k)
-            block(i, k) =
-              vectors.s[i] * vectors.t[k] + vectors.n[i] * vectors.pi[k];
-        active.graph().add(nodes, block, jacobian);
-        if (!step.moving)
-          continue;
-        const double stress_shift =
-          vectors.pi_shift + pool.own_by_mean * vectors.t_shift;
-        for (unsigned int a = 0; a < n; ++a)
-          for (unsigned int c = 0; c < dim; ++c)
-            share[unknown<dim>(nodes[a], c)] +=
-              vectors.s[dim * a + c] * vectors.t_shift +
-              vectors.n[dim * a + c] * stress_shift;
+        products.add_to(jacobian);
       }
-    if (step.moving)
-      step.moving->add_to_share(share);
-  }
-
-  template <int dim>
-  void
-  MeanDilatation<dim>::add_point(const StepData<dim>             &step,
-                                 const Iterate<dim>              &iterate,
-                                 const std::size_t                p,
-                                 const Weights                   &weights,
-                                 const std::vector<unsigned int> &index_of,
-                                 CellVectors                     &vectors) const
-  {
-    const Group &group = step.stencils.groups[work->cells.group_of_point[p]];
-    const unsigned int   q       = p - group.first_point;
-    const unsigned int  *nodes   = step.start.active->nodes(group);
-    const CellLink<dim> &link    = work->links[p];
-    const Tensor<2, dim> by_mean = weights.force * link.stress_by_mean,
-                         by_mean_stress =
-                           weights.force * link.stress_by_mean_stress,
-                         ratio    = weights.ratio * link.change_by_H,
-                         pressure = weights.stress * link.mean_stress_by_H;
-    for (unsigned int a = 0; a < group.n_nodes; ++a)
-      {
-        Tensor<1, dim> g;
-        for (unsigned int d = 0; d < dim; ++d)
-          g[d] = step.stencils.gradient(group, a, d)[q];
-        const unsigned int first = dim * index_of[nodes[a]];
-        const auto s = by_mean * g, n = by_mean_stress * g, t = ratio * g,
-                   pi = pressure * g;
-        for (unsigned int c = 0; c < dim; ++c)
-          {
-            vectors.s[first + c] += s[c];
-            vectors.n[first + c] += n[c];
-            vectors.t[first + c] += t[c];
-            vectors.pi[first + c] += pi[c];
-          }
-      }
-    if (!step.moving)
-      return;
-
-    // L changes with the place too, and the place with the motion
-    step.moving->differentiate(step, group, q, work->derivatives);
-    const auto &response = step.moving->response_of(p);
-    std::array<std::array<double, dim + 1>, dim> t_by_motion{}, pi_by_motion{};
-    for (unsigned int k = 0; k < step.moving->n_place_unknowns(); ++k)
-      {
-        Tensor<2, dim> L_by_q;
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            const double *slope = work->derivatives.gradient(k, d);
-            for (unsigned int a = 0; a < group.n_nodes; ++a)
-              for (unsigned int c = 0; c < dim; ++c)
-                L_by_q[c][d] +=
-                  iterate.local_displacement[unknown<dim>(nodes[a], c)] *
-                  slope[a];
-          }
-        const double t_by_q  = scalar_product(ratio, L_by_q),
-                     pi_by_q = scalar_product(pressure, L_by_q);
-        vectors.t_shift += t_by_q * response.shift[k];
-        vectors.pi_shift += pi_by_q * response.shift[k];
-        for (unsigned int j = 0; j < dim; ++j)
-          for (unsigned int l = 0; l <= dim; ++l)
-            {
-              t_by_motion[j][l] += t_by_q * response.by_motion[k][j][l];
-              pi_by_motion[j][l] += pi_by_q * response.by_motion[k][j][l];
-            }
-      }
-    for (unsigned int a = 0; a < group.n_nodes; ++a)
-      {
-        const unsigned int first = dim * index_of[nodes[a]];
-        for (unsigned int j = 0; j < dim; ++j)
-          for (unsigned int l = 0; l <= dim; ++l)
-            {
-              const double weight =
-                l == 0 ? step.stencils.value(group, a)[q]
-                       : step.stencils.gradient(group, a, l - 1)[q];
-              vectors.t[first + j] += t_by_motion[j][l] * weight;
-              vectors.pi[first + j] += pi_by_motion[j][l] * weight;
-            }
-      }
+    products.finish();
   }
 
   template <int dim>

@@ -74,6 +74,7 @@ namespace emmy
                     "stored elastic energy per undeformed volume"}))
     , inelastic(
         add_inelastic_fields(this->material_of_body, this->names, layout))
+    , parameters(add_parameters(this->material_of_body, this->names, layout))
   {}
 
   template <int dim>
@@ -152,6 +153,27 @@ namespace emmy
   }
 
   template <int dim>
+  std::vector<std::vector<unsigned int>>
+  StressStates<dim>::add_parameters(
+    const std::vector<const Material<dim> *> &material_of_body,
+    const std::vector<std::string>           &names,
+    FieldLayout                              &layout)
+  {
+    std::vector<std::vector<unsigned int>> result;
+    for (unsigned int body = 0; body < material_of_body.size(); ++body)
+      {
+        result.emplace_back();
+        for (const Field &field : material_of_body[body]->parameters())
+          {
+            if (!names.empty())
+              layout.set_effect(names[body]);
+            result.back().push_back(layout.add(field));
+          }
+      }
+    return result;
+  }
+
+  template <int dim>
   void
   StressStates<dim>::read(const PointArrays<dim> &points,
                           const unsigned int      body,
@@ -170,6 +192,12 @@ namespace emmy
       }
     if (inelastic)
       read_inelastic(points, body, first, batch);
+    const auto &varying = parameters[body];
+    batch.material.parameters.resize(varying.size());
+    for (unsigned int i = 0; i < varying.size(); ++i)
+      std::copy_n(points.component(varying[i]) + first,
+                  batch.n_points,
+                  batch.material.parameters[i].begin());
   }
 
   template <int dim>

@@ -1,6 +1,7 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
 #include <emmy/effects/surface_loads.h>
+#include <emmy/math/divided_volume.h>
 
 #include <cmath>
 #include <complex>
@@ -35,38 +36,11 @@ namespace emmy
     template <int dim, class Number>
     using Matrix2 = Tensor<2, dim, Number>;
 
-    /** cof T = det T T^-T. */
-    template <class Number>
-    Matrix2<2, Number>
-    cofactor(const Matrix2<2, Number> &T)
-    {
-      Matrix2<2, Number> result;
-      result[0][0] = T[1][1];
-      result[0][1] = -T[1][0];
-      result[1][0] = -T[0][1];
-      result[1][1] = T[0][0];
-      return result;
-    }
-    template <class Number>
-    Matrix2<3, Number>
-    cofactor(const Matrix2<3, Number> &T)
-    {
-      Matrix2<3, Number> result;
-      for (unsigned int i = 0; i < 3; ++i)
-        for (unsigned int j = 0; j < 3; ++j)
-          {
-            const unsigned int k = (i + 1) % 3, l = (i + 2) % 3;
-            const unsigned int m = (j + 1) % 3, n = (j + 2) % 3;
-            result[i][j] = T[k][m] * T[l][n] - T[k][n] * T[l][m];
-          }
-      return result;
-    }
-
     template <int dim, class Number>
     Number
     determinant_of(const Matrix2<dim, Number> &T)
     {
-      const auto cof = cofactor(T);
+      const auto cof = cofactor_of(T);
       Number     det = 0.;
       for (unsigned int j = 0; j < dim; ++j)
         det += T[0][j] * cof[0][j];
@@ -81,25 +55,6 @@ namespace emmy
       for (unsigned int d = 0; d < dim; ++d)
         T[d][d] += 1.;
       return T;
-    }
-
-    /**
-     * D_j with j - 1 = D_j : A for a step that deforms by dF, A = dF^T dF - I:
-     * a divided difference of the determinant, exactly.
-     */
-    template <class Number>
-    Matrix2<2, Number>
-    divided_volume(const Matrix2<2, Number> &A, const Number &j)
-    {
-      return cofactor(plus_unit(Number(0.5) * A)) / (j + 1.);
-    }
-    template <class Number>
-    Matrix2<3, Number>
-    divided_volume(const Matrix2<3, Number> &A, const Number &j)
-    {
-      return (plus_unit(Number(4.) * cofactor(plus_unit(Number(0.5) * A))) +
-              cofactor(plus_unit(A))) /
-             (6. * (j + 1.));
     }
 
     /** What a pressure of 1 does to a particle: f and f (x) a. */
@@ -121,7 +76,7 @@ namespace emmy
         if (at_middle)
           {
             const auto from_start = plus_unit(Number(-0.5) * L);
-            Z = transpose(cofactor(from_start)) / determinant_of(from_start);
+            Z = transpose(cofactor_of(from_start)) / determinant_of(from_start);
             H = L * Z;
           }
         if (is_whole)
@@ -142,7 +97,7 @@ namespace emmy
           }
         Matrix2<dim, Number> F_old = particle.F_old;
         const auto           F     = Z * F_old;
-        const auto           cof   = cofactor(F);
+        const auto           cof   = cofactor_of(F);
         const auto          &carry = at_middle ? F : F_old;
         for (const auto &face : faces)
           for (unsigned int i = 0; i < dim; ++i)

@@ -24,6 +24,14 @@ namespace emmy
                   "displacement is zero. A list of sides, as for <Fixed>.",
                   prm,
                   sides);
+    add_parameter("Held parts",
+                  held_parts,
+                  "Names of parts of space whose nodes move as they are told, "
+                  "e.g. those under a rigid footing. Each has a section of its "
+                  "name. The ledger has the force and the moment about the "
+                  "origin on each: held_NAME_force_x and so on.",
+                  prm,
+                  dealii::Patterns::List(dealii::Patterns::Anything(), 0));
   }
 
   std::vector<std::string>
@@ -61,8 +69,10 @@ namespace emmy
   template <int dim>
   BoundaryConditions<dim>::BoundaryConditions(
     const BoundaryParameters  &parameters,
-    const BackgroundGrid<dim> &grid)
+    const BackgroundGrid<dim> &grid,
+    std::vector<HeldPart<dim>> held_parts)
     : grid(grid)
+    , parts(std::move(held_parts))
   {
     const std::string section = parameters.path();
     for (const std::string &name : parameters.fixed)
@@ -92,7 +102,7 @@ namespace emmy
 
   template <int dim>
   std::bitset<dim>
-  BoundaryConditions<dim>::fixed_components(
+  BoundaryConditions<dim>::fixed_by_sides(
     const dealii::Point<dim> &position) const
   {
     const auto       sides = sides_at(position);
@@ -101,6 +111,32 @@ namespace emmy
       if (sides[side])
         result |= fixed_on_side[side];
     return result;
+  }
+
+  template <int dim>
+  std::bitset<dim>
+  BoundaryConditions<dim>::fixed_components(
+    const dealii::Point<dim> &position) const
+  {
+    std::bitset<dim> result = fixed_by_sides(position);
+    for (const HeldPart<dim> &part : parts)
+      if (part.region->value(position) > 0.)
+        result |= part.components;
+    return result;
+  }
+
+  template <int dim>
+  unsigned int
+  BoundaryConditions<dim>::part_that_holds(const dealii::Point<dim> &position,
+                                           const unsigned int component) const
+  {
+    if (fixed_by_sides(position)[component])
+      return parts.size();
+    unsigned int part = 0;
+    while (part < parts.size() && !(parts[part].components[component] &&
+                                    parts[part].region->value(position) > 0.))
+      ++part;
+    return part;
   }
 
   template <int dim>
@@ -114,7 +150,8 @@ namespace emmy
   bool
   BoundaryConditions<dim>::has_walls() const
   {
-    return std::any_of(fixed_on_side.begin(),
+    return !parts.empty() ||
+           std::any_of(fixed_on_side.begin(),
                        fixed_on_side.end(),
                        [](const auto &fixed) { return fixed.any(); });
   }

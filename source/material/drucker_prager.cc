@@ -149,6 +149,27 @@ namespace emmy
   void
   DruckerPrager<dim>::evaluate(MaterialBatch<dim> &batch) const
   {
+    const double *const ratio = batch.strength_ratio;
+    if (ratio)
+      evaluate_points(
+        [this, ratio](const unsigned int p) {
+          DruckerPragerSurface result = surface;
+          result.cohesion *= ratio[p];
+          result.tension *= ratio[p];
+          return result;
+        },
+        batch);
+    else
+      evaluate_points(
+        [this](const unsigned int) -> const auto & { return surface; }, batch);
+  }
+
+  template <int dim>
+  template <class Surface>
+  void
+  DruckerPrager<dim>::evaluate_points(const Surface      &surface_of,
+                                      MaterialBatch<dim> &batch) const
+  {
     const double K = constants.bulk_modulus, G = constants.shear_modulus;
     const double sqrt_2 = std::sqrt(2.);
     const auto   b      = spectral_decompositions(batch);
@@ -160,7 +181,7 @@ namespace emmy
         const auto   e    = principal_strain(b[q]);
         const double norm = std::sqrt(e.deviator_squared);
         const Return end =
-          return_to(surface, K, G, K * e.trace, sqrt_2 * G * norm);
+          return_to(surface_of(q), K, G, K * e.trace, sqrt_2 * G * norm);
 
         // the direction of the deviator: zero where there is none
         std::array<double, 3> n{}, tau, tau_energy, flow;

@@ -95,6 +95,17 @@ namespace emmy
     return result;
   }
 
+  bool
+  ElasticConstants::are_nearly_incompressible() const
+  {
+    constexpr double limit = 0.4;
+    // nu = (3 K - 2 G)/(2 (3 K + G)) of the other pair
+    return bulk_modulus > 0. && shear_modulus > 0.
+             ? 3. * bulk_modulus - 2. * shear_modulus >
+                 2. * limit * (3. * bulk_modulus + shear_modulus)
+             : poisson_ratio > limit;
+  }
+
   template <int dim>
   Hencky<dim>::Hencky(const ElasticConstants &constants)
     : reference_density(constants.density)

@@ -1,5 +1,6 @@
 #include <emmy/material/conserving_stress.h>
 #include <emmy/material/mean_dilatation.h>
+#include <emmy/math/divided_volume.h>
 #include <emmy/math/kinematics.h>
 
 #include <cmath>
@@ -205,11 +206,7 @@ namespace emmy
       InPlaneMatrix<dim> by_C;
     };
 
-    /**
-     * D = cof(I + A/2)/(j + 1) in the plane, and in space
-     * (cof I + 4 cof(I + A/2) + cof C)/(6 (j + 1)): the mean of cof(I + sA)
-     * over s from 0 to 1, whose product with A is det C - 1 = j^2 - 1.
-     */
+    /** See divided_volume(). */
     template <int dim>
     RatioGradient<dim>
     ratio_gradient(const Tensor<2, dim> &A,
@@ -217,63 +214,41 @@ namespace emmy
                    const InPlane<dim>   &inverse_C,
                    const bool            with_derivative)
     {
-      constexpr auto     ij   = mandel::pairs<dim>();
-      const auto         unit = unit_in_plane<dim>();
-      Tensor<2, dim>     sum; // cof, and what its derivative is linear in
-      RatioGradient<dim> result;
+      const auto         unit   = unit_in_plane<dim>();
       const double       factor = 1. / (j + 1.);
+      RatioGradient<dim> result;
+      result.value = symmetric<dim>(divided_volume(A, j));
+      if (!with_derivative)
+        return result;
       if constexpr (dim == 2)
         {
-          sum                  = -0.5 * A;
-          const double trace_A = trace(A);
-          for (unsigned int d = 0; d < dim; ++d)
-            sum[d][d] += 1. + 0.5 * trace_A;
-          result.value = factor * symmetric<dim>(sum);
-          if (with_derivative)
-            {
-              result.by_C = factor * outer_product(unit, unit);
-              for (unsigned int i = 0; i < unit.dimension; ++i)
-                result.by_C[i][i] -= factor;
-            }
+          result.by_C = factor * outer_product(unit, unit);
+          for (unsigned int i = 0; i < unit.dimension; ++i)
+            result.by_C[i][i] -= factor;
         }
       else
         {
-          // cof(X) = X X - tr(X) X + (tr(X)^2 - X : X)/2 I, of I + sA
-          const double trace_A = trace(A), A_A = scalar_product(A, A);
-          const auto   AA = A * A;
-          // mean of s is 1/2, of s^2 1/3
-          sum = AA / 3. - (0.5 + trace_A / 3.) * A;
-          for (unsigned int d = 0; d < dim; ++d)
-            sum[d][d] += 1. + 0.5 * trace_A + (trace_A * trace_A - A_A) / 6.;
-          result.value = factor * symmetric<dim>(sum);
-          if (with_derivative)
+          // d cof(X) is linear in X; Y = 6 times the mean of s (I + sA)
+          constexpr auto ij      = mandel::pairs<dim>();
+          const auto     Y       = 3. * identity<dim>() + 2. * A;
+          const double   trace_Y = trace(Y);
+          for (unsigned int a = 0; a < unit.dimension; ++a)
             {
-              // d cof(X) is linear in X; Y = 6 times the mean of s (I + sA)
-              Tensor<2, dim> Y = 2. * A;
+              Tensor<2, dim>     X;
+              const unsigned int k = ij[a][0], l = ij[a][1];
+              X[k][l] = X[l][k]      = a < dim ? 1. : 1. / mandel::sqrt2;
+              const double   trace_X = trace(X);
+              Tensor<2, dim> change = Y * X + X * Y - trace_Y * X - trace_X * Y;
+              const double diagonal = trace_X * trace_Y - scalar_product(X, Y);
               for (unsigned int d = 0; d < dim; ++d)
-                Y[d][d] += 3.;
-              const double trace_Y = trace(Y);
-              for (unsigned int a = 0; a < unit.dimension; ++a)
-                {
-                  Tensor<2, dim>     X;
-                  const unsigned int k = ij[a][0], l = ij[a][1];
-                  X[k][l] = X[l][k]      = a < dim ? 1. : 1. / mandel::sqrt2;
-                  const double   trace_X = trace(X);
-                  Tensor<2, dim> change =
-                    Y * X + X * Y - trace_Y * X - trace_X * Y;
-                  const double diagonal =
-                    trace_X * trace_Y - scalar_product(X, Y);
-                  for (unsigned int d = 0; d < dim; ++d)
-                    change[d][d] += diagonal;
-                  const auto column = symmetric<dim>(change);
-                  for (unsigned int b = 0; b < unit.dimension; ++b)
-                    result.by_C[b][a] = factor / 3. * column[b];
-                }
+                change[d][d] += diagonal;
+              const auto column = symmetric<dim>(change);
+              for (unsigned int b = 0; b < unit.dimension; ++b)
+                result.by_C[b][a] = factor / 3. * column[b];
             }
         }
       // dj = j/2 C^-1 : dC
-      if (with_derivative)
-        result.by_C -= j * factor * outer_product(result.value, inverse_C);
+      result.by_C -= j * factor * outer_product(result.value, inverse_C);
       return result;
     }
   } // namespace

@@ -45,6 +45,20 @@ namespace emmy
   void
   VonMises<dim>::evaluate(MaterialBatch<dim> &batch) const
   {
+    const double radius = surface.radius, *ratio = batch.strength_ratio;
+    if (ratio)
+      evaluate_points([=](const unsigned int p) { return ratio[p] * radius; },
+                      batch);
+    else
+      evaluate_points([=](const unsigned int) { return radius; }, batch);
+  }
+
+  template <int dim>
+  template <class Radius>
+  void
+  VonMises<dim>::evaluate_points(const Radius       &radius_of,
+                                 MaterialBatch<dim> &batch) const
+  {
     const double K = constants.bulk_modulus, G = constants.shear_modulus;
     const double H = surface.hardening_modulus;
     const auto   b = spectral_decompositions(batch);
@@ -54,10 +68,11 @@ namespace emmy
     for (unsigned int p = 0; p < batch.n_points; ++p)
       {
         const auto   e             = principal_strain(b[p]);
+        const double radius        = radius_of(p);
         double      &xi            = batch.history[0][p];
         const double deviator_norm = std::sqrt(e.deviator_squared);
         const double excess =
-          2. * G * deviator_norm - (surface.radius + sqrt_two_thirds * H * xi);
+          2. * G * deviator_norm - (radius + sqrt_two_thirds * H * xi);
         const double flow = std::max(0., excess / (2. * G + 2. / 3. * H));
 
         // what is left of the trial's deviator, and its direction: zero where
@@ -85,7 +100,7 @@ namespace emmy
         batch.stored_energy[p] =
           0.5 * K * e.trace * e.trace + G * kept * kept * e.deviator_squared;
         batch.hardening_energy[p] = 0.5 * H * xi * xi;
-        batch.dissipation[p]      = surface.radius * flow;
+        batch.dissipation[p]      = radius * flow;
         batch.hardening_energy_change[p] =
           0.5 * H * (xi_old + xi) * sqrt_two_thirds * flow;
         if (batch.with_energy_change)

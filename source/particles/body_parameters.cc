@@ -85,6 +85,7 @@ namespace emmy
       "y-max, z-min, z-max.",
       this->prm,
       dealii::Patterns::List(dealii::Patterns::Anything(), 0));
+    initial_stress.add_to(*this, dim);
     if (!shape.empty() && !is_shape_formula(shape))
       shape_parameters = shape_library<dim>()
                            .find(shape, section, "Shape")
@@ -169,6 +170,8 @@ namespace emmy
       body.angular_velocity[dim == 2 ? 2 : i] = omega[i];
     for (unsigned int d = 0; d < parameters.center_of_rotation.size(); ++d)
       body.center_of_rotation[d] = parameters.center_of_rotation[d];
+    body.initial_stress =
+      parameters.initial_stress.template make<dim>(parameters.path());
     return body;
   }
 

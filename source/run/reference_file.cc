@@ -10,7 +10,9 @@ namespace emmy
   {
     std::ostringstream       text;
     std::vector<std::string> names;
-    text << "set Dimension = 3\nsubsection Materials\n";
+    text << "set Dimension = 3\nsubsection Boundary conditions\n"
+            "set Held parts = the part\nsubsection the part\nend\nend\n"
+            "subsection Materials\n";
     for (const std::string &model : material_library<3>().names())
       {
         names.push_back("the " + model + " material");

@@ -1,5 +1,6 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/effects/initial_states.h>
 #include <emmy/effects/mean_dilatation.h>
 #include <emmy/effects/scaled_boxes.h>
 #include <emmy/effects/starved_nodes.h>
@@ -31,8 +32,18 @@ namespace emmy
                                "at least one material is required."));
       std::vector<std::unique_ptr<Material<dim>>> materials;
       for (const auto &material : parameters.materials)
-        materials.push_back(material->make());
+        materials.push_back(material->make_graded());
       return materials;
+    }
+
+    template <int dim>
+    std::vector<HeldPart<dim>>
+    make_held_parts(const SceneParameters<dim> &parameters)
+    {
+      std::vector<HeldPart<dim>> parts;
+      for (const auto &part : parameters.held_parts)
+        parts.push_back(part->make());
+      return parts;
     }
 
     template <int dim>
@@ -99,6 +110,16 @@ namespace emmy
     {
       if (!layout.has("half_length"))
         return nullptr; // particles are points
+      for (const Body<dim> &body : bodies)
+        AssertThrow(!body.initial_stress || (method.domain_update != "detF" &&
+                                             method.domain_update != "corners"),
+                    ExcParameter(method.path(),
+                                 "Domain update",
+                                 method.domain_update,
+                                 "it takes the volume of boxes from the strain "
+                                 "of the stress, and boxes have theirs when a "
+                                 "body with Initial stress begins. Use "
+                                 "stretch, diagF or none."));
       layout.set_effect(domain_update_effect);
       auto update =
         make_domain_update(method.domain_update, bodies, grid, layout);
@@ -120,6 +141,22 @@ namespace emmy
       return layout;
     }
 
+    /** The elastic energy that particles have stored, J. Collective. */
+    template <int dim>
+    double
+    strain_energy(const FieldLayout                             &layout,
+                  const BackgroundGrid<dim>                     &grid,
+                  const dealii::Particles::ParticleHandler<dim> &particles)
+    {
+      const unsigned int volume = layout["reference_volume"],
+                         energy = layout["strain_energy_density"];
+      double sum                = 0.;
+      for (const auto &particle : particles)
+        sum +=
+          particle.get_properties()[volume] * particle.get_properties()[energy];
+      return dealii::Utilities::MPI::sum(sum, grid.communicator());
+    }
+
     /** Null where the grid is undeformed at the start of a step. */
     template <int dim>
     std::unique_ptr<MiddlePlaces<dim>>
@@ -137,7 +174,9 @@ namespace emmy
                     const MPI_Comm              communicator)
     : phases(communicator)
     , grid(parameters.grid, communicator, BackgroundGrid<dim>::Cells::none)
-    , boundary_conditions(parameters.boundary_conditions, grid)
+    , boundary_conditions(parameters.boundary_conditions,
+                          grid,
+                          make_held_parts(parameters))
     , materials(make_materials(parameters))
     , bodies(make_bodies(parameters, materials))
     , material_of_body(materials_of(bodies, materials))
@@ -212,6 +251,8 @@ namespace emmy
                          grid.mapping(),
                          layout.n_components());
     fill(bodies, grid, layout, particles);
+    set_initial_states(
+      bodies, material_of_body, layout, grid.communicator(), particles);
   }
 
   template <int dim>
@@ -228,8 +269,38 @@ namespace emmy
           state.detector.stored_energy += entry.change;
           state.detector.largest_stored += entry.change;
         }
+    add_initial_stress(report);
     measure(report);
     return report;
+  }
+
+  template <int dim>
+  bool
+  Scene<dim>::has_initial_stress() const
+  {
+    return std::any_of(bodies.begin(), bodies.end(), [](const auto &body) {
+      return body.initial_stress != nullptr;
+    });
+  }
+
+  template <int dim>
+  void
+  Scene<dim>::add_initial_stress(StepReport &report)
+  {
+    if (!has_initial_stress() || !parameters.start.from.empty())
+      return;
+    const double stored    = strain_energy<dim>(layout, grid, particles);
+    const double imbalance = stepper->imbalance();
+    for (EnergyEntry &entry : report.energies)
+      if (entry.name == "strain_energy")
+        {
+          entry.change = stored;
+          state.detector.stored_energy += stored;
+          state.detector.largest_stored += stored;
+        }
+    notes.push_back("initial stress: " + brief(stored) +
+                    " J stored; out of balance with loads and sides by " +
+                    brief(imbalance) + " of the forces");
   }
 
   template <int dim>

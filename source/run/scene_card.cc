@@ -155,6 +155,8 @@ namespace emmy
             EffectCard effect = entry.card;
             effect.fields     = scene.materials[m]->history();
             effect            = StressStates<dim>::with_history(effect);
+            for (const Field &field : scene.materials[m]->parameters())
+              effect.fields.push_back(field);
             effect.name = material_effect(parameters.material_names.names[m]);
             effect.enters =
               (scene.explicit_force ? "motion and stress: "

@@ -1,5 +1,6 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/effects/held_parts.h>
 #include <emmy/effects/inertia.h>
 #include <emmy/effects/internal_force.h>
 #include <emmy/effects/mean_dilatation.h>
@@ -112,6 +113,12 @@ namespace emmy
           walls->check_run(parameters.time.latest_end());
           effects.terms.push_back(std::move(walls));
           effects.name_new(MovingWalls<dim>::card(true).name);
+        }
+      if (!boundary_conditions.held_parts().empty())
+        {
+          effects.terms.push_back(
+            std::make_unique<HeldParts<dim>>(boundary_conditions));
+          effects.name_new(HeldParts<dim>::card(nullptr).name);
         }
       if (parameters.reactions.are_present)
         {
@@ -353,6 +360,9 @@ namespace emmy
                                balance.has(WallMapping<dim>::name(kind))));
     cards.push_back(
       MovingWalls<dim>::card(balance.has(MovingWalls<dim>::card(true).name)));
+    cards.push_back(HeldParts<dim>::card(
+      balance.has(HeldParts<dim>::card(nullptr).name) ? &boundary_conditions
+                                                      : nullptr));
     cards.push_back(Reactions<dim>::card(
       balance.has(Reactions<dim>::card(nullptr).name) ? &boundary_conditions
                                                       : nullptr));

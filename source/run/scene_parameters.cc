@@ -118,9 +118,13 @@ namespace emmy
                   "stiff, where their volume can hardly change: with a "
                   "Poisson's ratio near 0.5, and in plastic flow. none: "
                   "nothing. cell: in a step the volume of all particles of a "
-                  "cell changes alike, without loss of energy or momentum.",
+                  "cell changes alike, without loss of energy or momentum. "
+                  "automatic: cell where a body flows plastically or has a "
+                  "Poisson's ratio above 0.4, unless explicit steps, another "
+                  "<Stress rule> or Domain update = corners have no place "
+                  "for it; else none.",
                   prm,
-                  Selection("none|cell"));
+                  Selection("automatic|none|cell"));
     add_parameter("Wall mapping",
                   wall_mapping,
                   "constrained: fixed nodes have the velocity of the wall in "
@@ -243,15 +247,17 @@ namespace emmy
   namespace
   {
     std::vector<std::string>
-    names_in(const ParameterFile &file, const std::string &section)
+    names_in(const ParameterFile &file,
+             const std::string   &section,
+             const std::string   &entry = "Names")
     {
       const auto names = dealii::Utilities::split_string_list(
-        file.value(section + "/Names", ""));
+        file.value(section + "/" + entry, ""));
       for (const std::string &name : names)
         AssertThrow(std::count(names.begin(), names.end(), name) == 1 &&
                       name.find('/') == std::string::npos,
                     ExcParameter(section,
-                                 "Names",
+                                 entry,
                                  join(names),
                                  "names must differ and hold no slash."));
       return names;
@@ -338,6 +344,10 @@ namespace emmy
         require_choice(shape, section, "Shape", shape_library<dim>().names());
         bodies.push_back(std::make_unique<BodyParameters<dim>>(section, shape));
       }
+    for (const std::string &name :
+         names_in(file, "Boundary conditions", "Held parts"))
+      held_parts.push_back(std::make_unique<HeldPartParameters<dim>>(
+        "Boundary conditions/" + name));
     refuse_aggregation(file);
     for (const std::string &name : names_in(file, "Effects"))
       effect_library<dim>().find(name, "Effects", "Names");
@@ -362,6 +372,7 @@ namespace emmy
     choose_method(file);
     dealii::ParameterAcceptor::parse_all_parameters();
     method.least_threshold = contact_sides.template least_threshold<dim>();
+    choose_locking_treatment();
     for (const std::string &name : effect_names.names)
       method.least_threshold =
         std::max(method.least_threshold, effects.at(name)->least_threshold());
@@ -400,6 +411,41 @@ namespace emmy
       choose("Geometry", "start");
     if (is_static)
       choose("Stress rule", "end-point");
+  }
+
+  template <int dim>
+  void
+  SceneParameters<dim>::choose_locking_treatment()
+  {
+    std::string &treatment = method.locking_treatment;
+    if (treatment != "automatic")
+      return;
+    const bool has_place =
+      !time.is_explicit() && method.domain_update != "corners" &&
+      (time.is_static() || method.stress_rule == "conserving");
+    bool may_lock = false, has_bodies = false;
+    for (unsigned int m = 0; m < materials.size(); ++m)
+      {
+        const auto is_of = [&](const auto &body) {
+          return body->material == material_names.names[m];
+        };
+        const bool flows =
+          !material_library<dim>()
+             .find(materials[m]->model_name(), materials[m]->path(), "Model")
+             .card.fields.empty();
+        if (std::none_of(bodies.begin(), bodies.end(), is_of))
+          continue;
+        has_bodies = true;
+        may_lock |= flows || materials[m]->is_nearly_incompressible();
+      }
+    if (!has_bodies) // no scene, but the reference
+      return;
+    treatment = has_place && may_lock ? "cell" : "none";
+    // the parameters that a run writes say what it does
+    auto &prm = dealii::ParameterAcceptor::prm;
+    prm.enter_subsection("Method");
+    prm.set("Locking treatment", treatment);
+    prm.leave_subsection();
   }
 
   template <int dim>

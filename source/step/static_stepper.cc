@@ -246,11 +246,12 @@ namespace emmy
   {
     const ActiveGrid<dim> &active = *start->active;
     active.constraints().set_zero(increment.displacement);
-    setting.method.balance.add_given_displacement(active,
-                                                  state.time,
-                                                  increment.time_step,
-                                                  increment.displacement,
-                                                  &setting.phases);
+    if (!increment.is_held)
+      setting.method.balance.add_given_displacement(active,
+                                                    state.time,
+                                                    increment.time_step,
+                                                    increment.displacement,
+                                                    &setting.phases);
     active.constraints().expand(increment.displacement);
     increment.newton = Newton(solver_parameters, *linear_solver, setting.phases)
                          .solve(*increment.equation, increment.displacement);
@@ -388,6 +389,7 @@ namespace emmy
         left = equation.residual().l2_norm() / equation.system().scale;
         if (!(left > settled) || rounds == most_rounds)
           break;
+        increment->is_held = true;
         solve(*increment);
         if (!increment->newton.is_converged)
           break;

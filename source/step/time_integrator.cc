@@ -1,4 +1,5 @@
 #include <emmy/base/exceptions.h>
+#include <emmy/step/start_balance.h>
 #include <emmy/step/time_integrator.h>
 #include <emmy/transfer/grid_to_particles.h>
 
@@ -53,6 +54,15 @@ namespace emmy
     add_measures(ground.points, state.time, result.measures);
     add_size(active, result);
     return result;
+  }
+
+  template <int dim>
+  double
+  TimeIntegrator<dim>::imbalance()
+  {
+    const Ground<dim> ground = ground_at_start();
+    return start_imbalance(
+      ground.stencils, ground.points, renew_grid(ground), setting, state.time);
   }
 
   template <int dim>

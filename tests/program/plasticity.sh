@@ -13,6 +13,9 @@ cd "$work" || exit 2
 tiny_scene >base.prm
 # what Newton leaves turns the body
 cat >>base.prm <<'END'
+subsection Method
+  set Locking treatment = none
+end
 subsection Solver
   set Newton tolerance = 1e-15
 end

@@ -309,7 +309,9 @@ namespace
            "subsection Gravity\nset Acceleration = 0, " +
            (dim == 3 ? "0, " : "") + "-10\nset Amplitude = if(t < " +
            shortest(rise) + ", 0.5*(1 - cos(pi*t/" + shortest(rise) +
-           ")), 1)\nend\nend\nsubsection Time\nset Step rule = fixed\n"
+           ")), 1)\nend\nend\nsubsection Method\n"
+           "set Locking treatment = none\nend\n"
+           "subsection Time\nset Step rule = fixed\n"
            "set Step size = " +
            shortest(step) + "\nset End time = " + shortest(1.25 * rise) +
            "\nend\n";

@@ -15,8 +15,9 @@ namespace
   std::string
   method(const std::string &shape_functions)
   {
-    return "subsection Method\nset Shape functions = " + shape_functions +
-           "\nset Starved nodes = follow\nend\n";
+    return "subsection Method\nset Locking treatment = none\n"
+           "set Shape functions = " +
+           shape_functions + "\nset Starved nodes = follow\nend\n";
   }
 
   std::string

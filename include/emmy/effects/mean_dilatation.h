@@ -99,34 +99,11 @@ namespace emmy
       std::vector<dealii::Tensor<2, dim>> gradients; ///< L
       std::vector<double>                 box_scales;
 
-      StressBatch<dim>      batch;
-      MiddleStep<dim>       middle;
-      std::vector<double>   nodal_force;
-      double                energy = 0.; ///< sum V0 P : H of the last add(), J
-      CellMatrix<dim>       stiffness;
-      PlaceDerivatives<dim> derivatives;
-    };
-
-    /** s, n, t and pi over the unknowns of a cell's nodes, [dim * a + c]. */
-    struct CellVectors
-    {
-      std::vector<double> s, n, t, pi;
-      /** What the places, where they are not yet Q, change of theta and P_c. */
-      double t_shift, pi_shift;
-
-      void
-      reinit(const unsigned int size)
-      {
-        for (auto *vector : {&s, &n, &t, &pi})
-          vector->assign(size, 0.);
-        t_shift = pi_shift = 0.;
-      }
-    };
-
-    /** Of a point: V0, V/V_c, V0/V_c. */
-    struct Weights
-    {
-      double force, ratio, stress;
+      StressBatch<dim>    batch;
+      MiddleStep<dim>     middle;
+      std::vector<double> nodal_force;
+      double              energy = 0.; ///< sum V0 P : H of the last add(), J
+      CellMatrix<dim>     stiffness;
     };
 
     /** The passes of add(). @return what is wrong, if anything */
@@ -148,15 +125,6 @@ namespace emmy
     void
     find_whole_stresses(const StepData<dim> &step,
                         const std::size_t    point) const;
-    /** The share of a point in the vectors of its cell. */
-    void
-    add_point(const StepData<dim>             &step,
-              const Iterate<dim>              &iterate,
-              const std::size_t                p,
-              const Weights                   &weights,
-              const std::vector<unsigned int> &index_of,
-              CellVectors                     &vectors) const;
-
     /** Points of a group into the batch, with the gradients as they are. */
     void
     begin_batch(const Group &group, const unsigned int first) const;

@@ -13,7 +13,8 @@ namespace emmy
    * What particles remember of their deformation and stress: b - I, tau and
    * the elastic energy; where a material of the scene has history also
    * b^e - I, the history, the energy stored by hardening and the dissipation so
-   * far. Reads them in batches at t and writes them at t + dt. Owned by the
+   * far; where the material of a body varies, its parameters. Reads them in
+   * batches at t and writes them at t + dt. Owned by the
    * force that has this stress.
    */
   template <int dim>
@@ -145,6 +146,11 @@ namespace emmy
       const std::vector<std::string>           &names,
       FieldLayout                              &layout);
 
+    static std::vector<std::vector<unsigned int>>
+    add_parameters(const std::vector<const Material<dim> *> &material_of_body,
+                   const std::vector<std::string>           &names,
+                   FieldLayout                              &layout);
+
     void
     read_inelastic(const PointArrays<dim> &points,
                    const unsigned int      body,
@@ -162,6 +168,8 @@ namespace emmy
     const unsigned int reference_volume, left_cauchy_green_less_unit,
       kirchhoff_stress, strain_energy_density;
     const std::unique_ptr<const InelasticFields> inelastic; // none if elastic
+    /** Of the parameters() of each body's material. */
+    const std::vector<std::vector<unsigned int>> parameters;
   };
 
   /**

@@ -4,6 +4,7 @@
 #include <emmy/base/section.h>
 
 #include <emmy/grid/background_grid.h>
+#include <emmy/grid/held_part.h>
 
 #include <array>
 #include <bitset>
@@ -16,16 +17,17 @@ namespace emmy
   class BoundaryParameters : public Section
   {
   public:
-    std::vector<std::string> fixed, roller;
+    std::vector<std::string> fixed, roller, held_parts;
 
     explicit BoundaryParameters(
       const std::string &section = "Boundary conditions");
   };
 
   /**
-   * Essential conditions on the sides of the grid: which components of the
-   * displacement are given at a node: zero, unless an effect gives them a
-   * motion. Owned by the scene; asked when active nodes are numbered.
+   * Essential conditions on the sides of the grid and on held parts of space:
+   * which components of the displacement are given at a node: zero, unless an
+   * effect gives them a motion. What a side holds belongs to the side. Owned by
+   * the scene; asked when active nodes are numbered.
    */
   template <int dim>
   class BoundaryConditions
@@ -35,7 +37,8 @@ namespace emmy
      * Throws ExcParameter for a side that the grid has not.
      */
     BoundaryConditions(const BoundaryParameters  &parameters,
-                       const BackgroundGrid<dim> &grid);
+                       const BackgroundGrid<dim> &grid,
+                       std::vector<HeldPart<dim>> held_parts = {});
 
     /** The fixed components of a node at @p position. */
     std::bitset<dim>
@@ -45,9 +48,23 @@ namespace emmy
     bool
     is_wall(const unsigned int side) const;
 
-    /** Whether any side of the grid is fixed. */
+    /** Whether any side of the grid or part of space is fixed. */
     bool
     has_walls() const;
+
+    const std::vector<HeldPart<dim>> &
+    held_parts() const
+    {
+      return parts;
+    }
+
+    /**
+     * The held part that gives a component at a position: the first one that
+     * does. The number of parts: none, or a side holds it.
+     */
+    unsigned int
+    part_that_holds(const dealii::Point<dim> &position,
+                    const unsigned int        component) const;
 
     /** The fixed components on a side of the grid. */
     std::bitset<dim>
@@ -60,6 +77,11 @@ namespace emmy
   private:
     const BackgroundGrid<dim>            &grid;
     std::array<std::bitset<dim>, 2 * dim> fixed_on_side;
+    const std::vector<HeldPart<dim>>      parts;
+
+    /** The components that sides fix at a position. */
+    std::bitset<dim>
+    fixed_by_sides(const dealii::Point<dim> &position) const;
   };
 
   /** "x-min", "x-max", "y-min", ...: side 2d is the lower one in direction d.

@@ -103,8 +103,18 @@ namespace emmy
     p_wave_modulus() const override;
     double
     shear_wave_modulus() const override;
+    bool
+    has_strength() const override
+    {
+      return true;
+    }
 
   private:
+    /** @param surface_of a function of the point */
+    template <class Surface>
+    void
+    evaluate_points(const Surface &surface_of, MaterialBatch<dim> &batch) const;
+
     const ElasticConstants     constants;
     const DruckerPragerSurface surface;
   };
@@ -118,6 +128,11 @@ namespace emmy
 
     std::unique_ptr<Material<dim>>
     make() const override;
+    bool
+    is_nearly_incompressible() const override
+    {
+      return constants.are_nearly_incompressible();
+    }
 
     static EffectCard
     card();

@@ -30,6 +30,10 @@ namespace emmy
      */
     ElasticConstants
     completed(const std::string &section) const;
+
+    /** Poisson's ratio is above 0.4, as far as it was given. */
+    bool
+    are_nearly_incompressible() const;
   };
 
   /**
@@ -74,6 +78,11 @@ namespace emmy
 
     std::unique_ptr<Material<dim>>
     make() const override;
+    bool
+    is_nearly_incompressible() const override
+    {
+      return constants.are_nearly_incompressible();
+    }
 
   private:
     ElasticConstants constants;

@@ -1,6 +1,8 @@
 #ifndef emmy_material_material_h
 #define emmy_material_material_h
 
+#include <deal.II/base/point.h>
+
 #include <emmy/base/field.h>
 #include <emmy/base/library.h>
 #include <emmy/base/section.h>
@@ -37,6 +39,13 @@ namespace emmy
     std::vector<PerPoint<double>> history;
 
     // in
+    /** One array per field of Material::parameters(). */
+    std::vector<PerPoint<double>> parameters;
+    /**
+     * By what the strength of each point is multiplied; null: by 1. For
+     * materials with a strength, see Material::has_strength().
+     */
+    const double *strength_ratio = nullptr;
     /** The step that led to the trial. Borrowed, one entry per point. */
     struct Step
     {
@@ -160,6 +169,35 @@ namespace emmy
     {
       return 0.;
     }
+
+    /**
+     * What differs from point to point and never changes: fields that each
+     * particle gets at the start, scalars. None: the material is the same
+     * everywhere.
+     */
+    virtual std::vector<Field>
+    parameters() const
+    {
+      return {};
+    }
+
+    /**
+     * The values of parameters() for a particle that starts at a place. All
+     * must be positive and finite, which the caller checks.
+     */
+    virtual std::vector<double>
+    parameters_at(const dealii::Point<dim> &place) const
+    {
+      (void)place;
+      return {};
+    }
+
+    /** Whether evaluate() heeds strength_ratio. */
+    virtual bool
+    has_strength() const
+    {
+      return false;
+    }
   };
 
   /** The section of a material in a parameter file. */
@@ -167,12 +205,26 @@ namespace emmy
   class MaterialParameters : public Section
   {
   public:
-    /** Declares <Model>; the models declare the rest. */
+    /** Declares <Model> and what varies; the models declare the rest. */
     explicit MaterialParameters(const std::string &section);
 
     /** Check what patterns cannot say, and build. Throws ExcParameter. */
     virtual std::unique_ptr<Material<dim>>
     make() const = 0;
+
+    /** The same, with the factors that vary, if there are any. */
+    std::unique_ptr<Material<dim>>
+    make_graded() const;
+
+    /**
+     * Whether the undeformed material can hardly change its volume, so that
+     * it locks: its Poisson's ratio is above 0.4. Never throws.
+     */
+    virtual bool
+    is_nearly_incompressible() const
+    {
+      return false;
+    }
 
     /** The value of <Model>. */
     const std::string &
@@ -183,6 +235,7 @@ namespace emmy
 
   private:
     std::string model; // decides, before this is made, what is made
+    std::string stiffness_factor, strength_factor; // formulas; empty: 1
   };
 
   /** All materials that a parameter file can name. */

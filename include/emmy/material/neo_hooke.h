@@ -51,6 +51,11 @@ namespace emmy
 
     std::unique_ptr<Material<dim>>
     make() const override;
+    bool
+    is_nearly_incompressible() const override
+    {
+      return constants.are_nearly_incompressible();
+    }
 
   private:
     ElasticConstants constants;

@@ -53,8 +53,18 @@ namespace emmy
     p_wave_modulus() const override;
     double
     shear_wave_modulus() const override;
+    bool
+    has_strength() const override
+    {
+      return true;
+    }
 
   private:
+    /** @param radius_of a function of the point, Pa */
+    template <class Radius>
+    void
+    evaluate_points(const Radius &radius_of, MaterialBatch<dim> &batch) const;
+
     const ElasticConstants constants;
     const YieldSurface     surface;
   };
@@ -68,6 +78,11 @@ namespace emmy
 
     std::unique_ptr<Material<dim>>
     make() const override;
+    bool
+    is_nearly_incompressible() const override
+    {
+      return constants.are_nearly_incompressible();
+    }
 
     static EffectCard
     card();

@@ -7,6 +7,7 @@
 
 #include <emmy/grid/background_grid.h>
 #include <emmy/particles/field_layout.h>
+#include <emmy/particles/initial_stress.h>
 #include <emmy/particles/shape.h>
 
 #include <bitset>
@@ -28,6 +29,7 @@ namespace emmy
     std::vector<double>      angular_velocity; // rad/s; empty: none
     std::vector<double>      center_of_rotation; // m; empty: not given
     std::vector<std::string> cut_by;             // sides of the grid
+    InitialStressParameters  initial_stress;
 
     /** @param shape name of a shape in the library, read beforehand. */
     BodyParameters(const std::string &section, const std::string &shape);
@@ -61,6 +63,8 @@ namespace emmy
     /** On top of it: rad/s, in plane strain (0, 0, omega), and about where. */
     dealii::Tensor<1, 3> angular_velocity   = {};
     dealii::Point<dim>   center_of_rotation = {};
+    /** Null: none. */
+    std::unique_ptr<InitialStress<dim>> initial_stress = nullptr;
 
     /** Both velocities together, m/s. */
     dealii::Tensor<1, dim>

@@ -87,6 +87,11 @@ namespace emmy
     fill_with_particles();
     std::unique_ptr<TimeIntegrator<dim>>
     make_stepper(const SceneParameters<dim> &parameters);
+    bool
+    has_initial_stress() const;
+    /** Add what initial stress stores to row 0. Collective. */
+    void
+    add_initial_stress(StepReport &report);
     /** Add the measurements of the particles as they are. Collective. */
     void
     measure(StepReport &report);

@@ -58,7 +58,7 @@ namespace emmy
     double      flip_fraction      = -1.; // -1: not given
     double      lumping            = 0.;
     std::string stress_rule        = "conserving";
-    std::string locking_treatment  = "none";
+    std::string locking_treatment  = "automatic";
     std::string wall_mapping       = "constrained";
     std::string geometry           = "middle";
     double      geometry_tolerance = 1e-8; // cells
@@ -122,6 +122,7 @@ namespace emmy
     std::vector<std::unique_ptr<BodyParameters<dim>>>     bodies;
     BoundaryParameters                                    boundary_conditions;
     ContactSideParameters                                 contact_sides;
+    std::vector<std::unique_ptr<HeldPartParameters<dim>>> held_parts;
     ReactionParameters                                    reactions;
     MovingWallParameters                                  moving_walls;
     NameList                                              effect_names;
@@ -145,6 +146,9 @@ namespace emmy
     /** <Starved nodes> and <Geometry> in a file that does not name them. */
     void
     choose_method(const ParameterFile &file);
+    /** What Locking treatment = automatic is in this scene. */
+    void
+    choose_locking_treatment();
   };
 
   /** The dimension a file asks for: 2 or 3. Throws ExcParameter otherwise. */

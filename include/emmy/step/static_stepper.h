@@ -93,6 +93,7 @@ namespace emmy
       NewtonResult newton;
       unsigned int halvings    = 0;
       bool         leaves_grid = false;
+      bool         is_held     = false; ///< what is given does not move on
     };
 
     /** Stencils, states and grid where the particles are. */

@@ -57,6 +57,13 @@ namespace emmy
     initial_report();
 
     /**
+     * How far stresses and loads of now are from balance, see
+     * start_imbalance(). Collective.
+     */
+    double
+    imbalance();
+
+    /**
      * One step. Throws ExcRun on all ranks, with the particles as they were,
      * if it cannot be done. Collective.
      */
