@@ -208,26 +208,29 @@ def head_of(scene):
     return words
 
 
+def scenes_of_gallery(root):
+    """Those that are there; no studies."""
+    scenes = [os.path.join(root, folder, name) for folder in GALLERY_FOLDERS
+              for name in sorted(os.listdir(os.path.join(root, folder))) if name.endswith(".prm")]
+    return [scene for scene in scenes if not re.search(r"^subsection Study", read(scene), re.M)]
+
+
 def gallery(root):
     """A page of all scenes that are there, with pictures where these are."""
     text = ("# Gallery: what emmy can do\n\nThe scenes of `prm/examples` and `prm/ground`, as they are in their files. "
-            "Run one with `./run prm/examples/NAME.prm`, or copy it. Pictures are those that a run leaves.\n")
-    for folder in GALLERY_FOLDERS:
-        for name in sorted(os.listdir(os.path.join(root, folder))):
-            if not name.endswith(".prm"):
-                continue
-            scene = read(os.path.join(root, folder, name))
-            if re.search(r"^subsection Study", scene, re.M):
-                continue
-            title = re.search(r"^\s*set Title\s*=\s*(.*)$", scene, re.M)
-            words = head_of(scene)
-            text += f"\n## {title[1] if title else name.removesuffix('.prm')}\n\n`{folder}/{name}`. {words['']}\n"
-            picture = f"doc/pictures/gallery/{os.path.basename(folder)}-{name.removesuffix('.prm')}.png"
-            if os.path.exists(os.path.join(root, picture)):
-                text += f"\n![{folder}/{name}]({picture})\n"
-            for key, label in [("Expected", "What to look at"), ("Run time", "Run time"), ("Source", "Source")]:
-                if words.get(key):
-                    text += f"\n{label}: {words[key]}\n"
+            "Run one with `./run prm/examples/NAME.prm`, or copy it. `doc/gallery.py build/emmy` draws the pictures.\n")
+    for path in scenes_of_gallery(root):
+        folder, name = os.path.split(os.path.relpath(path, root))
+        name, scene = name.removesuffix(".prm"), read(path)
+        title = re.search(r"^\s*set Title\s*=\s*(.*)$", scene, re.M)
+        words = head_of(scene)
+        text += f"\n## {title[1] if title else name}\n\n`{folder}/{name}.prm`. {words['']}\n"
+        picture = f"doc/pictures/gallery/{os.path.basename(folder)}-{name}.png"
+        if os.path.exists(os.path.join(root, picture)):
+            text += f"\n![{folder}/{name}.prm]({picture})\n"
+        for key, label in [("Expected", "What to look at"), ("Run time", "Run time"), ("Source", "Source")]:
+            if words.get(key):
+                text += f"\n{label}: {words[key]}\n"
     return text
 
 
