@@ -46,6 +46,16 @@ def slug(heading):
     return re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
 
 
+def unique(name, used):
+    """As GitHub does: the second one is name-1."""
+    n, result = 0, name
+    while result in used:
+        n += 1
+        result = f"{name}-{n}"
+    used.add(result)
+    return result
+
+
 def outside_code(text, change):
     """Change what stands neither in fences, nor in indented blocks, nor in `code`."""
     lines, in_fence, result = text.split("\n"), False, []
@@ -116,7 +126,7 @@ class Manual:
             lines.append(line if in_fence or line.startswith("    ") else links(line))
         text = outside_code("\n".join(lines), signs)
 
-        in_fence, lines, first = False, [], True
+        in_fence, lines, first, used = False, [], True, set()
         for line in text.split("\n"):
             if line.startswith("```"):
                 in_fence = not in_fence
@@ -124,7 +134,8 @@ class Manual:
             if heading and first:
                 line, first = f"# {heading[2]} {{#{own}}}", False
             elif heading:
-                line = f"{heading[1]} {heading[2]} {{#{own}_{slug(heading[2])}}}"
+                name = unique(slug(heading[2]), used)
+                line = f"{heading[1]} {heading[2]} {{#{own}_{name}}}"
             lines.append(line)
         return "\n".join(lines) + "\n"
 

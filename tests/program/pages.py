@@ -52,6 +52,13 @@ for page, text in texts.items():
         if not os.path.exists(os.path.join(root, name)) and not re.search(r"(?i)/layer/", name):
             wrong.append(f"{page}: there is no file <{name}>")
 
+    # scenes that a command names; capitals and own names stand for the reader's
+    for command in re.findall(r"^    (?:\$ )?((?:\./run|emmy|mpirun|build\S*/\S+|sbatch|cp) .*)$", text, re.M):
+        for name in re.findall(r"(?<![\w/=.-])((?:prm|doc)/[\w./-]+\.(?:prm|sh))", command):
+            n_links += 1
+            if not os.path.exists(os.path.join(root, name)):
+                wrong.append(f"{page}: the command <{command}> names no file <{name}>")
+
 in_manual = set(manual.Manual(root, "").pages) | {"README.md"}
 for page in texts:
     if page not in in_manual:
