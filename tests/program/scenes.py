@@ -1,0 +1,81 @@
+#!/usr/bin/env python3
+"""Every parameter file in the tree is read, and does a step.
+
+    scenes.py SOURCE_ROOT EMMY
+
+Scenes make one step, with everything that they write; those that take too
+long for that are only read and built, and studies are only read. A file that is
+not for the program is said to be so here.
+"""
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import time
+
+ONLY_CHECKED = {  # why no step is made
+    "prm/benchmarks/cantilever-3d.prm": "size: a step takes half a minute",
+    "prm/benchmarks/taylor-bar.prm": "size",
+    "prm/validation/taylor-6.prm": "size",
+    "prm/validation/taylor-8.prm": "size",
+}
+NOT_RUN = {
+    "doc/examples/neo-hooke/block.prm": "its material is not emmy's; the test outside_material runs it",
+    "doc/parameters.prm": "the reference of all parameters; the test parameter_reference makes it",
+    "doc/study.prm": "the same of studies",
+    "doc/tutorials/step-3/step-3.prm": "its material is not emmy's; the test tutorials runs it",
+    "doc/tutorials/step-4/step-4.prm": "its effect is not emmy's; the same",
+    "doc/tutorials/step-5/step-5.prm": "its measurement is not emmy's; the same",
+}
+
+
+def scenes(root):
+    for top in ["prm", "doc"]:
+        for folder, _, files in os.walk(os.path.join(root, top)):
+            for name in sorted(files):
+                if name.endswith(".prm"):
+                    yield os.path.relpath(os.path.join(folder, name), root)
+
+
+def main():
+    root, emmy = map(os.path.abspath, sys.argv[1:3])
+    environment = dict(os.environ, OMPI_MCA_ess_singleton_isolated="1", OMPI_MCA_pml="ob1", OMPI_MCA_btl="self")
+    n_steps = n_checked = 0
+    failures = []
+    with tempfile.TemporaryDirectory() as folder:
+        for link in ["prm", "doc"]: # some name files relative to the root
+            os.symlink(os.path.join(root, link), os.path.join(folder, link))
+        for scene in sorted(scenes(root)):
+            if scene in NOT_RUN:
+                continue
+            with open(os.path.join(root, scene), encoding="utf-8") as file:
+                is_study = re.search(r"^subsection Study", file.read(), re.M)
+            if is_study:
+                command = ["study", "--check", scene]
+            elif scene in ONLY_CHECKED:
+                command = ["--check", scene]
+            else:
+                command = [scene, "--set", "Time/Maximum steps=1", "--set", "Output/Directory=run", "--overwrite",
+                           "--set", "Output/Pictures=false"]
+            start = time.monotonic()
+            done = subprocess.run([emmy, *command], cwd=folder, env=environment, capture_output=True, text=True,
+                                  stdin=subprocess.DEVNULL, timeout=300)
+            seconds = time.monotonic() - start
+            if "-v" in sys.argv:
+                print(f"{seconds:6.2f} s  {scene}", flush=True)
+            n_steps += command[0] == scene
+            n_checked += command[0] != scene
+            if done.returncode:
+                failures.append(scene)
+                print(f"FAILED: {scene}\n{done.stderr[-1500:]}", flush=True)
+    for scene in [*NOT_RUN, *ONLY_CHECKED]:
+        if not os.path.exists(os.path.join(root, scene)):
+            failures.append(scene)
+            print(f"FAILED: there is no <{scene}>; remove it from the list in scenes.py")
+    print(f"{n_steps} scenes made a step, {n_checked} files were read, {len(failures)} failed")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
