@@ -421,7 +421,8 @@ namespace emmy
     if (treatment != "automatic")
       return;
     const bool has_place =
-      !time.is_explicit() && method.domain_update != "corners" &&
+      !time.is_explicit() &&
+      (method.shape_functions != "GIMP" || method.domain_update != "corners") &&
       (time.is_static() || method.stress_rule == "conserving");
     bool may_lock = false, has_bodies = false;
     for (unsigned int m = 0; m < materials.size(); ++m)

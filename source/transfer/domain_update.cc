@@ -142,12 +142,7 @@ namespace emmy
         const dealii::Tensor<2, dim> F = Z * deformation(states, p);
         MiddleBox<dim>               box;
         if (is_stretch)
-          {
-            if constexpr (dim == 2)
-              set_plane_stretches(F, Z, box);
-            else
-              set_stretches(right_cauchy_green(F), F, Z, box);
-          }
+          set_stretches(F, Z, box);
         else
           for (unsigned int d = 0; d < dim; ++d)
             {
@@ -192,18 +187,15 @@ namespace emmy
        * t = sqrt(tr C + 2 J) and J = det F > 0 (Hoger and Carlson 1984).
        */
       static void
-      set_plane_stretches(const dealii::Tensor<2, 2> &F,
-                          const dealii::Tensor<2, 2> &Z,
-                          MiddleBox<2>               &box)
+      set_stretches(const dealii::Tensor<2, 2> &F,
+                    const dealii::Tensor<2, 2> &Z,
+                    MiddleBox<2>               &box)
       {
         const dealii::Tensor<2, 2> z = transpose(Z) * F;
         const double               J = determinant(F);
-        const dealii::Tensor<1, 2> C_dd(
-          {F[0][0] * F[0][0] + F[1][0] * F[1][0],
-           F[0][1] * F[0][1] + F[1][1] * F[1][1]});
-        const double t = std::sqrt(C_dd[0] + C_dd[1] + 2. * J);
+        const double               t = std::sqrt(F.norm_square() + 2. * J);
         for (unsigned int d = 0; d < 2; ++d)
-          box.half_length[d] = (C_dd[d] + J) / t;
+          box.half_length[d] = (F[0][d] * F[0][d] + F[1][d] * F[1][d] + J) / t;
         for (unsigned int a = 0; a < 2; ++a)
           for (unsigned int b = 0; b < 2; ++b)
             {
@@ -220,33 +212,34 @@ namespace emmy
        * dU_dd = sum_ij v_id v_jd v_i.dC v_j / (s_i + s_j).
        */
       static void
-      set_stretches(const SpectralDecomposition<dim> &C,
-                    const dealii::Tensor<2, dim>     &F,
-                    const dealii::Tensor<2, dim>     &Z,
-                    MiddleBox<dim>                   &box)
+      set_stretches(const dealii::Tensor<2, 3> &F,
+                    const dealii::Tensor<2, 3> &Z,
+                    MiddleBox<3>               &box)
       {
-        const dealii::Tensor<2, dim> f = F * C.vectors;
-        const dealii::Tensor<2, dim> z = transpose(Z) * f;
-        dealii::Tensor<1, dim>       s;
-        dealii::Tensor<2, dim>       weight; // 1 / (s_i + s_j)
-        for (unsigned int i = 0; i < dim; ++i)
+        const auto C = spectral_decomposition<3>(
+          mandel::symmetric_part<3>(transpose(F) * F, 1.));
+        const dealii::Tensor<2, 3> f = F * C.vectors;
+        const dealii::Tensor<2, 3> z = transpose(Z) * f;
+        dealii::Tensor<1, 3>       s;
+        dealii::Tensor<2, 3>       weight; // 1 / (s_i + s_j)
+        for (unsigned int i = 0; i < 3; ++i)
           {
             s[i] = std::sqrt(C.values[i]);
             for (unsigned int j = 0; j <= i; ++j)
               weight[i][j] = weight[j][i] = 1. / (s[i] + s[j]);
           }
-        for (unsigned int d = 0; d < dim; ++d)
+        for (unsigned int d = 0; d < 3; ++d)
           {
-            const dealii::Tensor<1, dim> v = C.vectors[d];
-            for (unsigned int i = 0; i < dim; ++i)
+            const dealii::Tensor<1, 3> v = C.vectors[d];
+            for (unsigned int i = 0; i < 3; ++i)
               {
                 box.half_length[d] += s[i] * v[i] * v[i];
-                dealii::Tensor<1, dim> sum;
-                for (unsigned int j = 0; j < dim; ++j)
-                  for (unsigned int a = 0; a < dim; ++a)
+                dealii::Tensor<1, 3> sum;
+                for (unsigned int j = 0; j < 3; ++j)
+                  for (unsigned int a = 0; a < 3; ++a)
                     sum[a] += v[j] * weight[i][j] * z[a][j];
-                for (unsigned int a = 0; a < dim; ++a)
-                  for (unsigned int b = 0; b < dim; ++b)
+                for (unsigned int a = 0; a < 3; ++a)
+                  for (unsigned int b = 0; b < 3; ++b)
                     box.by_L[d][a][b] += v[i] * sum[a] * f[b][i];
               }
           }

@@ -400,7 +400,8 @@ namespace
    * A mass of 100 bars falls on a bar of 1 m in a tube: by Hooke's law it
    * presses by v sqrt(E m) at most and flies off after pi sqrt(m/E), as fast as
    * it came. Of the bar's own mass a third swings along; 1 % is left to its
-   * waves.
+   * waves. These, undamped, bring the force up to 1 + sqrt(1/100) times that
+   * (Boussinesq); cells and steps smooth them.
    */
   Case
   drop()
@@ -428,13 +429,12 @@ namespace
     RunningScene<2> run(parameters);
     run.advance(115);
     check_balance(run, "drop");
-    const auto momentum = run.column("tool_plate_momentum"),
-               force    = run.column("tool_plate_force_y");
-    const double most   = *std::max_element(force.begin(), force.end());
-    check_number(most,
-                 0.2 * 0.5 * std::sqrt(1e6 * 1000.),
-                 0.02,
-                 "drop, largest force of Hooke's law");
+    const auto momentum   = run.column("tool_plate_momentum"),
+               force      = run.column("tool_plate_force_y");
+    const double most     = *std::max_element(force.begin(), force.end());
+    const double by_hooke = 0.2 * 0.5 * std::sqrt(1e6 * 1000.);
+    check(by_hooke < most && most < 1.1 * by_hooke,
+          "drop, largest force between Hooke's law and Boussinesq's waves");
     check_number(-momentum.back(), momentum.front(), 0.01, "drop, rebound");
     unsigned int n = 0;
     for (const double value : force)
