@@ -10,18 +10,9 @@ namespace emmy
 {
   namespace
   {
-    /** Points and nodes as plain arrays, as CellMatrix has them. */
-    struct Arrays
-    {
-      unsigned int  n_points, n_nodes, n_padded;
-      bool          is_first;
-      const double *slopes, *tangents, *volumes;
-      double       *products, *sum;
-    };
-
     template <int dim>
     EMMY_INLINE void
-    find_products(const Arrays &arrays)
+    find_products(const CellArrays &arrays)
     {
       using Nodes          = typename LanesOf<node_lanes<dim>>::type;
       const unsigned int n = arrays.n_padded / node_lanes<dim>;
@@ -47,7 +38,7 @@ namespace emmy
 
     template <int dim>
     EMMY_INLINE void
-    add_products(const Arrays &arrays)
+    add_products(const CellArrays &arrays)
     {
       const unsigned int n = arrays.n_padded;
       add_node_products<dim, dim>(
@@ -70,18 +61,28 @@ namespace emmy
   {
     // no templates: those have no clones
     EMMY_CLONES void
-    add_in_plane(const Arrays &arrays)
+    add_in_plane(const CellArrays &arrays)
     {
       find_products<2>(arrays);
       add_products<2>(arrays);
     }
     EMMY_CLONES void
-    add_in_space(const Arrays &arrays)
+    add_in_space(const CellArrays &arrays)
     {
       find_products<3>(arrays);
       add_products<3>(arrays);
     }
   } // namespace cell_matrix_kernels
+
+  template <int dim>
+  void
+  add_cell_products(const CellArrays &arrays)
+  {
+    if constexpr (dim == 2)
+      cell_matrix_kernels::add_in_plane(arrays);
+    else
+      cell_matrix_kernels::add_in_space(arrays);
+  }
 
   template <int dim>
   void
@@ -99,11 +100,11 @@ namespace emmy
   void
   CellMatrix<dim>::add(const Points &points)
   {
-    for (unsigned int begin = 0; begin < points.batch.n_points;
+    for (unsigned int begin = 0; begin < points.n_points;
          begin += most_points_at_once)
       {
         const unsigned int n =
-          std::min(most_points_at_once, points.batch.n_points - begin);
+          std::min(most_points_at_once, points.n_points - begin);
         for (unsigned int a = 0; a < n_nodes; ++a)
           for (unsigned int L = 0; L < dim; ++L)
             {
@@ -116,23 +117,24 @@ namespace emmy
         for (unsigned int row = 0; row < n * dim; ++row)
           for (unsigned int a = n_nodes; a < n_padded; ++a)
             slopes[row * n_padded + a] = 0.;
-        const Arrays arrays{n,
-                            n_nodes,
-                            n_padded,
-                            is_empty,
-                            slopes.data(),
-                            points.batch.tangent[begin].begin_raw(),
-                            points.volumes + begin,
-                            products.data(),
-                            sum.data()};
-        if constexpr (dim == 2)
-          cell_matrix_kernels::add_in_plane(arrays);
-        else
-          cell_matrix_kernels::add_in_space(arrays);
+        add_cell_products<dim>(
+          {n,
+           n_nodes,
+           n_padded,
+           is_empty,
+           slopes.data(),
+           points.batch.tangent[points.in_batch + begin].begin_raw(),
+           points.volumes + begin,
+           products.data(),
+           sum.data()});
         is_empty = false;
       }
   }
 
+  template void
+  add_cell_products<2>(const CellArrays &);
+  template void
+  add_cell_products<3>(const CellArrays &);
   template class CellMatrix<2>;
   template class CellMatrix<3>;
 } // namespace emmy

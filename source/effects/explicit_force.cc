@@ -40,8 +40,7 @@ namespace emmy
             batch->nominal_stress[q] =
               mandel::block<dim>(states.stress(step.points, point + q));
           add_forces(step.stencils,
-                     group,
-                     first,
+                     {group, first, batch->n_points, 0},
                      states.reference_volumes(step.points) + point,
                      step.start.active->nodes(group),
                      *batch,
@@ -67,8 +66,7 @@ namespace emmy
             batch->n_points =
               std::min(max_batch_points, group.n_points - first);
             displacement_gradients(step.stencils,
-                                   group,
-                                   first,
+                                   {group, first, batch->n_points, 0},
                                    displacement.data(),
                                    step.start.active->nodes(group),
                                    *batch);

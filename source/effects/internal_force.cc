@@ -35,20 +35,109 @@ namespace emmy
     const auto work          = std::make_unique<Assembly>();
     work->batch.with_tangent = jacobian != nullptr;
     work->nodal_force.resize(dim * step.start.active->n_local_nodes());
-    constexpr unsigned int few = 4; // points in a group
+    constexpr unsigned int few   = 4; // points in a group
+    const NodeGraph<dim>  &graph = step.start.active->graph();
     if (jacobian &&
         step.stencils.particles.size() < few * step.stencils.groups.size())
-      work->sum.emplace(step.start.active->graph(), *jacobian);
+      {
+        if (step.moving)
+          work->sum.emplace(graph, *jacobian);
+        else
+          work->pool.emplace(graph, *jacobian);
+      }
 
-    const std::string problem = states.for_each_group(
-      step.stencils, step.phases, [&](const Group &group) {
-        return add_group(step, iterate, group, *work, jacobian);
+    // what moves with the places goes to the matrix group by group
+    const std::string problem = states.for_each_run(
+      step.stencils,
+      step.phases,
+      jacobian && step.moving ? 0 : max_batch_points,
+      [&](const Group *first, const Group *end) {
+        return end - first == 1
+                 ? add_group(step, iterate, *first, *work, jacobian)
+                 : add_run(step, iterate, {first, end}, *work, jacobian);
       });
     if (work->sum)
       work->sum->flush();
+    if (work->pool)
+      work->pool->flush();
     step.start.active->add(work->nodal_force,
                            force); // collective: also after a problem
     return problem;
+  }
+
+  template <int dim>
+  std::string
+  InternalForce<dim>::add_run(const StepData<dim> &step,
+                              const Iterate<dim>  &iterate,
+                              const Run           &run,
+                              Assembly            &work,
+                              Matrix              *jacobian) const
+  {
+    const ActiveGrid<dim> &active   = *step.start.active;
+    const unsigned int     body     = run.begin->body;
+    const std::size_t      point    = run.begin->first_point;
+    unsigned int           n_points = 0;
+    for (const Group *group = run.begin; group != run.end; ++group)
+      {
+        displacement_gradients(step.stencils,
+                               {*group, 0, group->n_points, n_points},
+                               iterate.local_displacement.data(),
+                               active.nodes(*group),
+                               work.batch);
+        n_points += group->n_points;
+      }
+    work.batch.n_points = n_points;
+    const unsigned int inverted =
+      find_stress(step, body, point, work.batch, work.middle);
+    if (inverted < n_points)
+      return inverted_particle(step.stencils, point + inverted);
+    states.write(work.batch, step.points, body, point, iterate.trial);
+
+    unsigned int in_batch = 0;
+    for (const Group *group = run.begin; group != run.end; ++group)
+      {
+        const unsigned int *nodes = active.nodes(*group);
+        const double       *volumes =
+          states.reference_volumes(step.points) + group->first_point;
+        add_forces(step.stencils,
+                   {*group, 0, group->n_points, in_batch},
+                   volumes,
+                   nodes,
+                   work.batch,
+                   work.nodal_force);
+        if (jacobian)
+          add_stiffness({step.stencils,
+                         *group,
+                         0,
+                         group->n_points,
+                         work.batch,
+                         in_batch,
+                         volumes},
+                        nodes,
+                        active.graph(),
+                        work,
+                        *jacobian);
+        in_batch += group->n_points;
+      }
+    return {};
+  }
+
+  template <int dim>
+  void
+  InternalForce<dim>::add_stiffness(
+    const typename CellMatrix<dim>::Points &points,
+    const unsigned int                     *nodes,
+    const NodeGraph<dim>                   &graph,
+    Assembly                               &work,
+    Matrix                                 &jacobian) const
+  {
+    if (work.pool)
+      return work.pool->add(nodes, points);
+    if (points.first == 0)
+      work.stiffness.reinit(points.group.n_nodes);
+    work.stiffness.add(points);
+    if (points.first + points.n_points == points.group.n_points)
+      graph.add(nodes, work.stiffness.blocks(), jacobian);
   }
 
   template <int dim>
@@ -63,8 +152,6 @@ namespace emmy
     const unsigned int    *nodes  = active.nodes(group);
     if (jacobian && step.moving)
       step.moving->begin_group(group.n_nodes);
-    else if (jacobian)
-      work.stiffness.reinit(group.n_nodes);
 
     for (unsigned int first = 0; first < group.n_points;
          first += max_batch_points)
@@ -76,14 +163,14 @@ namespace emmy
                                                iterate.local_displacement,
                                                work.batch,
                                                work.middle);
-        if (inverted < work.batch.n_points)
+        const unsigned int n_points = work.batch.n_points;
+        if (inverted < n_points)
           return inverted_particle(step.stencils, point + inverted);
 
         states.write(work.batch, step.points, group.body, point, iterate.trial);
         const double *volumes = states.reference_volumes(step.points) + point;
         add_forces(step.stencils,
-                   group,
-                   first,
+                   {group, first, n_points, 0},
                    volumes,
                    nodes,
                    work.batch,
@@ -97,13 +184,16 @@ namespace emmy
                             work.middle,
                             volumes});
         else if (jacobian)
-          work.stiffness.add(
-            {step.stencils, group, first, work.batch, volumes});
+          add_stiffness(
+            {step.stencils, group, first, n_points, work.batch, 0, volumes},
+            nodes,
+            active.graph(),
+            work,
+            *jacobian);
       }
-    if (!jacobian)
+    if (!jacobian || !step.moving)
       return {};
-    const ComponentBlocks blocks =
-      step.moving ? step.moving->finish_group(nodes) : work.stiffness.blocks();
+    const ComponentBlocks blocks = step.moving->finish_group(nodes);
     if (work.sum)
       work.sum->add(nodes, blocks);
     else
@@ -120,20 +210,30 @@ namespace emmy
                                StressBatch<dim>          &batch,
                                MiddleStep<dim>           &middle) const
   {
-    const std::size_t point = group.first_point + first;
     batch.n_points = std::min(max_batch_points, group.n_points - first);
     displacement_gradients(step.stencils,
-                           group,
-                           first,
+                           {group, first, batch.n_points, 0},
                            local_displacement.data(),
                            step.start.active->nodes(group),
                            batch);
-    states.read(step.points, group.body, point, batch);
+    return find_stress(
+      step, group.body, group.first_point + first, batch, middle);
+  }
+
+  template <int dim>
+  unsigned int
+  InternalForce<dim>::find_stress(const StepData<dim> &step,
+                                  const unsigned int   body,
+                                  const std::size_t    point,
+                                  StressBatch<dim>    &batch,
+                                  MiddleStep<dim>     &middle) const
+  {
+    states.read(step.points, body, point, batch);
     if (!step.stencils.at_middle)
-      return rule.evaluate(states.material(group.body), batch);
+      return rule.evaluate(states.material(body), batch);
     unsigned int inverted = middle.to_start(batch);
     if (inverted == batch.n_points)
-      inverted = rule.evaluate(states.material(group.body), batch);
+      inverted = rule.evaluate(states.material(body), batch);
     if (inverted == batch.n_points)
       middle.to_middle(batch);
     return inverted;

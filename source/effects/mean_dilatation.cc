@@ -1,5 +1,6 @@
 #include <emmy/effects/mean_dilatation.h>
 #include <emmy/effects/moving_places.h>
+#include <emmy/system/block_sum.h>
 
 #include <algorithm>
 
@@ -149,8 +150,7 @@ namespace emmy
           const std::size_t point = group.first_point + first;
           batch.n_points = std::min(max_batch_points, group.n_points - first);
           displacement_gradients(step.stencils,
-                                 group,
-                                 first,
+                                 {group, first, batch.n_points, 0},
                                  iterate.local_displacement.data(),
                                  step.start.active->nodes(group),
                                  batch);
@@ -270,8 +270,7 @@ namespace emmy
                 volumes[q] * scalar_product(batch.nominal_stress[q],
                                             batch.displacement_gradient[q]);
             add_forces(step.stencils,
-                       group,
-                       first,
+                       {group, first, batch.n_points, 0},
                        volumes,
                        nodes,
                        batch,
@@ -286,8 +285,13 @@ namespace emmy
                                 volumes,
                                 &work->box_scales[point]});
             else if (jacobian)
-              work->stiffness.add(
-                {step.stencils, group, first, batch, volumes});
+              work->stiffness.add({step.stencils,
+                                   group,
+                                   first,
+                                   batch.n_points,
+                                   batch,
+                                   /*in_batch=*/0,
+                                   volumes});
           }
         if (!jacobian)
           continue;

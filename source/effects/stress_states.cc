@@ -296,22 +296,25 @@ namespace emmy
 
   template <int dim>
   void
-  displacement_gradients(const Stencils<dim>                 &stencils,
-                         const typename Stencils<dim>::Group &group,
-                         const unsigned int                   first,
-                         const double                        *displacement,
-                         const unsigned int                  *nodes,
-                         StressBatch<dim>                    &batch)
+  displacement_gradients(const Stencils<dim>    &stencils,
+                         const PartOfBatch<dim> &part,
+                         const double           *displacement,
+                         const unsigned int     *nodes,
+                         StressBatch<dim>       &batch)
   {
     // component by component, so that the loops over points vectorise
-    double             sum[dim][dim][max_batch_points] = {};
-    const unsigned int n_points                        = batch.n_points;
-    for (unsigned int a = 0; a < group.n_nodes; ++a)
+    double             sum[dim][dim][max_batch_points];
+    const unsigned int n_points = part.n_points;
+    for (unsigned int i = 0; i < dim; ++i)
+      for (unsigned int j = 0; j < dim; ++j)
+        std::fill_n(sum[i][j], n_points, 0.);
+    for (unsigned int a = 0; a < part.group.n_nodes; ++a)
       {
         const double *u = displacement + dim * nodes[a];
         for (unsigned int j = 0; j < dim; ++j)
           {
-            const double *slope = stencils.gradient(group, a, j) + first;
+            const double *slope =
+              stencils.gradient(part.group, a, j) + part.first;
             for (unsigned int i = 0; i < dim; ++i)
               for (unsigned int q = 0; q < n_points; ++q)
                 sum[i][j][q] += u[i] * slope[q];
@@ -320,7 +323,7 @@ namespace emmy
     for (unsigned int q = 0; q < n_points; ++q)
       for (unsigned int i = 0; i < dim; ++i)
         for (unsigned int j = 0; j < dim; ++j)
-          batch.displacement_gradient[q][i][j] = sum[i][j][q];
+          batch.displacement_gradient[part.in_batch + q][i][j] = sum[i][j][q];
   }
 
   template <int dim>
@@ -336,26 +339,27 @@ namespace emmy
 
   template <int dim>
   void
-  add_forces(const Stencils<dim>                 &stencils,
-             const typename Stencils<dim>::Group &group,
-             const unsigned int                   first,
-             const double                        *volume,
-             const unsigned int                  *nodes,
-             const StressBatch<dim>              &batch,
-             std::vector<double>                 &force)
+  add_forces(const Stencils<dim>    &stencils,
+             const PartOfBatch<dim> &part,
+             const double           *volume,
+             const unsigned int     *nodes,
+             const StressBatch<dim> &batch,
+             std::vector<double>    &force)
   {
     double             stress[dim][dim][max_batch_points]; // times volume
-    const unsigned int n_points = batch.n_points;
+    const unsigned int n_points = part.n_points;
     for (unsigned int q = 0; q < n_points; ++q)
       for (unsigned int i = 0; i < dim; ++i)
         for (unsigned int j = 0; j < dim; ++j)
-          stress[i][j][q] = volume[q] * batch.nominal_stress[q][i][j];
-    for (unsigned int a = 0; a < group.n_nodes; ++a)
+          stress[i][j][q] =
+            volume[q] * batch.nominal_stress[part.in_batch + q][i][j];
+    for (unsigned int a = 0; a < part.group.n_nodes; ++a)
       {
         dealii::Tensor<1, dim> sum;
         for (unsigned int j = 0; j < dim; ++j)
           {
-            const double *slope = stencils.gradient(group, a, j) + first;
+            const double *slope =
+              stencils.gradient(part.group, a, j) + part.first;
             for (unsigned int q = 0; q < n_points; ++q)
               for (unsigned int i = 0; i < dim; ++i)
                 sum[i] += stress[i][j][q] * slope[q];
@@ -365,22 +369,20 @@ namespace emmy
       }
   }
 
-#define INSTANTIATE(dim)                                                         \
-  template class StressStates<dim>;                                              \
-  template void        displacement_gradients<dim>(const Stencils<dim> &,        \
-                                            const Stencils<dim>::Group &, \
-                                            const unsigned int,           \
-                                            const double *,               \
-                                            const unsigned int *,         \
-                                            StressBatch<dim> &);          \
-  template std::string inverted_particle<dim>(const Stencils<dim> &,             \
-                                              const std::size_t);                \
-  template void        add_forces<dim>(const Stencils<dim> &,                    \
-                                const Stencils<dim>::Group &,             \
-                                const unsigned int,                       \
-                                const double *,                           \
-                                const unsigned int *,                     \
-                                const StressBatch<dim> &,                 \
+#define INSTANTIATE(dim)                                                     \
+  template class StressStates<dim>;                                          \
+  template void        displacement_gradients<dim>(const Stencils<dim> &,    \
+                                            const PartOfBatch<dim> &, \
+                                            const double *,           \
+                                            const unsigned int *,     \
+                                            StressBatch<dim> &);      \
+  template std::string inverted_particle<dim>(const Stencils<dim> &,         \
+                                              const std::size_t);            \
+  template void        add_forces<dim>(const Stencils<dim> &,                \
+                                const PartOfBatch<dim> &,             \
+                                const double *,                       \
+                                const unsigned int *,                 \
+                                const StressBatch<dim> &,             \
                                 std::vector<double> &);
   INSTANTIATE(2)
   INSTANTIATE(3)

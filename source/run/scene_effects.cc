@@ -129,8 +129,7 @@ namespace emmy
           !parameters.time.is_explicit())
         {
           const std::string &kind = parameters.method.wall_mapping;
-          effects.terms.push_back(
-            std::make_unique<WallMapping<dim>>(kind, layout["mass"]));
+          effects.terms.push_back(std::make_unique<WallMapping<dim>>(kind));
           effects.name_new(WallMapping<dim>::name(kind));
         }
     }

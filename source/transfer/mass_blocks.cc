@@ -1,4 +1,8 @@
+#include <emmy/math/lanes.h>
 #include <emmy/transfer/mass_blocks.h>
+
+#include <algorithm>
+#include <cmath>
 
 namespace emmy
 {
@@ -85,6 +89,137 @@ namespace emmy
     });
   }
 
+  namespace
+  {
+    /** Points of a few groups, as plain arrays over their nodes. */
+    struct PointRows
+    {
+      unsigned int  n_points, n_nodes, n_padded;
+      const double *rows; ///< sqrt(m) S, [q n_padded + a]
+      double       *sum;  ///< [a n_padded + b]
+    };
+  } // namespace
+
+  namespace mass_kernels
+  {
+    EMMY_CLONES void
+    add_products(const PointRows &points)
+    {
+      const unsigned int n = points.n_padded;
+      for (unsigned int q = 0; q < points.n_points; ++q)
+        {
+          const double *row = points.rows + q * n;
+          for (unsigned int a = 0; a < points.n_nodes; ++a)
+            {
+              double      *target = points.sum + a * n;
+              const double of_a   = row[a];
+              for (unsigned int b = 0; b < n; ++b)
+                target[b] += of_a * row[b];
+            }
+        }
+    }
+  } // namespace mass_kernels
+
+  namespace
+  {
+    /**
+     * The mass of groups that follow each other, over the nodes of all of them
+     * as long as these have room: groups of few points share most nodes.
+     */
+    template <int dim>
+    class MassPool
+    {
+    public:
+      MassPool(const GridStart<dim> &start,
+               Phases               *phases,
+               const MassReceiver   &receive,
+               const bool            has_small_groups)
+        : start(start)
+        , phases(phases)
+        , receive(receive)
+        , least_room(has_small_groups ? (dim == 2 ? 9 : 27) : 0)
+        , index_of(start.active->n_local_nodes(),
+                   dealii::numbers::invalid_unsigned_int)
+      {}
+
+      void
+      add(const Stencils<dim>                 &stencils,
+          const typename Stencils<dim>::Group &group,
+          const double                        *masses)
+      {
+        take_in(start.active->nodes(group), group.n_nodes);
+        rows.assign(group.n_points * n_padded, 0.);
+        for (unsigned int a = 0; a < group.n_nodes; ++a)
+          {
+            const double *S = stencils.value(group, a);
+            for (unsigned int q = 0; q < group.n_points; ++q)
+              // a root, so that the sum is symmetric to the last digit
+              rows[q * n_padded + indices[a]] = std::sqrt(masses[q]) * S[q];
+          }
+        mass_kernels::add_products({group.n_points,
+                                    static_cast<unsigned int>(members.size()),
+                                    n_padded,
+                                    rows.data(),
+                                    sum.data()});
+      }
+
+      void
+      flush()
+      {
+        const unsigned int n = members.size();
+        if (n == 0)
+          return;
+        mass.reinit(n, n, true);
+        for (unsigned int a = 0; a < n; ++a)
+          std::copy_n(&sum[a * n_padded], n, &mass(a, 0));
+        lump_and_damp(start.lumping, phases, mass, damping);
+        MassBlock block{members.data(), mass, damping};
+        receive(block);
+        for (const unsigned int node : members)
+          index_of[node] = dealii::numbers::invalid_unsigned_int;
+        members.clear();
+      }
+
+    private:
+      void
+      take_in(const unsigned int *nodes, const unsigned int n)
+      {
+        unsigned int n_new = 0;
+        for (unsigned int a = 0; a < n; ++a)
+          n_new += index_of[nodes[a]] == dealii::numbers::invalid_unsigned_int;
+        if (members.size() + n_new > room || least_room == 0)
+          flush();
+        if (members.empty())
+          {
+            constexpr unsigned int lanes = 4;
+            room                         = std::max(least_room, n);
+            n_padded                     = (room + lanes - 1) / lanes * lanes;
+            sum.assign(n_padded * n_padded, 0.);
+          }
+        indices.resize(n);
+        for (unsigned int a = 0; a < n; ++a)
+          {
+            unsigned int &index = index_of[nodes[a]];
+            if (index == dealii::numbers::invalid_unsigned_int)
+              {
+                index = members.size();
+                members.push_back(nodes[a]);
+              }
+            indices[a] = index;
+          }
+      }
+
+      const GridStart<dim>      &start;
+      Phases *const              phases;
+      const MassReceiver        &receive;
+      const unsigned int         least_room;
+      std::vector<unsigned int>  index_of, members, indices;
+      unsigned int               room = 0, n_padded = 0;
+      std::vector<double>        rows, sum, damping;
+      dealii::FullMatrix<double> mass;
+    };
+  } // namespace
+
   template <int dim>
   void
   for_each_mass_block(const Stencils<dim>  &stencils,
@@ -93,28 +228,15 @@ namespace emmy
                       Phases               *phases,
                       const MassReceiver   &receive)
   {
-    dealii::FullMatrix<double> mass;
-    std::vector<double>        damping;
+    constexpr unsigned int few = 4; // points in a group
+    MassPool<dim>          pool(start,
+                       phases,
+                       receive,
+                       stencils.particles.size() <
+                         few * stencils.groups.size());
     for (const auto &group : stencils.groups)
-      {
-        const unsigned int n = group.n_nodes;
-        mass.reinit(n, n, true);
-        for (unsigned int a = 0; a < n; ++a)
-          {
-            const double *S_a = stencils.value(group, a);
-            for (unsigned int b = 0; b <= a; ++b)
-              {
-                const double *S_b = stencils.value(group, b);
-                double        sum = 0.;
-                for (unsigned int p = 0; p < group.n_points; ++p)
-                  sum += masses[group.first_point + p] * S_a[p] * S_b[p];
-                mass(a, b) = mass(b, a) = sum;
-              }
-          }
-        lump_and_damp(start.lumping, phases, mass, damping);
-        MassBlock block{start.active->nodes(group), mass, damping};
-        receive(block);
-      }
+      pool.add(stencils, group, masses + group.first_point);
+    pool.flush();
     start.hand_out_added_mass(receive);
   }
 

@@ -52,7 +52,7 @@ MassDamping<dim>::add(const emmy::StepData<dim> &step,
   step.start.mass.vmult(momentum, iterate.displacement);
   force.add(rate / step.time_step, momentum);
   if (jacobian)
-    jacobian->add(rate / step.time_step, step.start.damped_mass);
+    step.start.add_mass_to(*jacobian, rate / step.time_step);
   return "";
 }
 

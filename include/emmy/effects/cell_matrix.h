@@ -9,6 +9,20 @@
 
 namespace emmy
 {
+  /** Points and nodes as plain arrays, see CellMatrix. */
+  struct CellArrays
+  {
+    unsigned int  n_points, n_nodes, n_padded;
+    bool          is_first; ///< the sum begins with these
+    const double *slopes, *tangents, *volumes;
+    double       *products, *sum;
+  };
+
+  /** Add to the sum what some points, at most most_points_at_once, bring. */
+  template <int dim>
+  void
+  add_cell_products(const CellArrays &arrays);
+
   /**
    * The derivative of the internal force of a group of points with respect to
    * its nodes, sum V0 grad S_a . dP/dH . grad S_b. Nodes stand side by side,
@@ -27,9 +41,11 @@ namespace emmy
     {
       const Stencils<dim>                 &stencils;
       const typename Stencils<dim>::Group &group;
-      unsigned int                         first;   ///< point of the group
-      const StressBatch<dim>              &batch;   ///< of the points from that
-      const double                        *volumes; ///< likewise, m^3
+      unsigned int                         first; ///< point of the group
+      unsigned int                         n_points;
+      const StressBatch<dim>              &batch;
+      unsigned int                         in_batch; ///< where that point is
+      const double                        *volumes;  ///< from it on, m^3
     };
 
     /** Begin for a group with so many nodes. */

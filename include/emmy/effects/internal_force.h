@@ -1,8 +1,9 @@
 #ifndef emmy_effects_internal_force_h
 #define emmy_effects_internal_force_h
 
-#include <emmy/effects/cell_matrix.h>
+#include <emmy/effects/pooled_stiffness.h>
 #include <emmy/effects/stress_states.h>
+#include <emmy/system/block_sum.h>
 
 #include <emmy/material/middle_step.h>
 #include <optional>
@@ -62,9 +63,33 @@ namespace emmy
       MiddleStep<dim>     middle;
       std::vector<double> nodal_force;
       CellMatrix<dim>     stiffness;
-      /** Where groups are small, and overlap. */
-      std::optional<BlockSum<dim>> sum;
+      /** Where groups are small, and overlap: what moves, and the rest. */
+      std::optional<BlockSum<dim>>        sum;
+      std::optional<PooledStiffness<dim>> pool;
     };
+
+    /** Groups of one body that follow each other, of which a batch has room.
+     */
+    struct Run
+    {
+      const Group *begin, *end;
+    };
+
+    /** As add_group(), in one batch. */
+    std::string
+    add_run(const StepData<dim> &step,
+            const Iterate<dim>  &iterate,
+            const Run           &run,
+            Assembly            &work,
+            Matrix              *jacobian) const;
+
+    /** Add points to the matrix; those of a group in their order. */
+    void
+    add_stiffness(const typename CellMatrix<dim>::Points &points,
+                  const unsigned int                     *nodes,
+                  const NodeGraph<dim>                   &graph,
+                  Assembly                               &work,
+                  Matrix                                 &jacobian) const;
 
     /**
      * Add a group to the nodal forces and, unless null, to the matrix.
@@ -91,6 +116,14 @@ namespace emmy
              const std::vector<double> &local_displacement,
              StressBatch<dim>          &batch,
              MiddleStep<dim>           &middle) const;
+
+    /** The same of points whose displacement gradients are in the batch. */
+    unsigned int
+    find_stress(const StepData<dim> &step,
+                const unsigned int   body,
+                const std::size_t    point,
+                StressBatch<dim>    &batch,
+                MiddleStep<dim>     &middle) const;
 
     /** Work of the stress at this rank's points, sum V0 P : H, J. Collective.
      */

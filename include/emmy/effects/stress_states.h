@@ -47,6 +47,8 @@ namespace emmy
       return *material_of_body[body];
     }
 
+    using Group = typename Stencils<dim>::Group;
+
     /**
      * Call std::string function(group) for all groups, until one returns a
      * problem. The time is booked to the materials, groups of one after
@@ -60,24 +62,49 @@ namespace emmy
                    Phases              *phases,
                    const Function      &function) const
     {
-      const auto &groups = stencils.groups;
+      return for_each_run(stencils,
+                          phases,
+                          /*most_points=*/0,
+                          [&](const Group *first, const Group *) {
+                            return function(*first);
+                          });
+    }
+
+    /**
+     * The same for groups of one body that follow each other, as many at a
+     * time as have no more than some points together; one at least:
+     * function(first, end).
+     */
+    template <class Function>
+    std::string
+    for_each_run(const Stencils<dim> &stencils,
+                 Phases              *phases,
+                 const unsigned int   most_points,
+                 const Function      &function) const
+    {
+      const Group *const end = stencils.groups.data() + stencils.groups.size();
       if (names.empty())
         phases = nullptr;
       std::string problem;
-      for (auto group = groups.begin();
-           group != groups.end() && problem.empty();)
+      for (const Group *group = stencils.groups.data();
+           group != end && problem.empty();)
         {
           const unsigned int body     = group->body;
           std::size_t        n_points = 0;
           {
             const auto timed =
               effect_scope(phases, phases ? std::string_view(names[body]) : "");
-            for (; group != groups.end() && problem.empty() &&
-                   material_of_body[group->body] == material_of_body[body];
-                 ++group)
+            while (group != end && problem.empty() &&
+                   material_of_body[group->body] == material_of_body[body])
               {
-                problem = function(*group);
-                n_points += group->n_points;
+                const Group *const first = group;
+                unsigned int       n     = 0;
+                do
+                  n += group++->n_points;
+                while (group != end && group->body == first->body &&
+                       n + group->n_points <= most_points);
+                problem = function(first, group);
+                n_points += n;
               }
           }
           if (phases)
@@ -164,37 +191,47 @@ namespace emmy
     const std::unique_ptr<const InelasticFields> inelastic; // none if elastic
   };
 
+  /** Points of a group that stand together in a batch. */
+  template <int dim>
+  struct PartOfBatch
+  {
+    const typename Stencils<dim>::Group &group;
+    unsigned int                         first; ///< point of the group
+    unsigned int                         n_points;
+    unsigned int                         in_batch; ///< where the first is
+  };
+
   /**
-   * Displacement gradients of a batch, H_ij = sum u_ai dS_a/dx_j.
+   * Displacement gradients of points of a batch, H_ij = sum u_ai dS_a/dx_j.
    *
-   * @param first        first point of the batch in its group
    * @param displacement at the local nodes, [dim * node + c], m
    * @param nodes        local indices of the group's nodes
    */
   template <int dim>
   void
-  displacement_gradients(const Stencils<dim>                 &stencils,
-                         const typename Stencils<dim>::Group &group,
-                         const unsigned int                   first,
-                         const double                        *displacement,
-                         const unsigned int                  *nodes,
-                         StressBatch<dim>                    &batch);
+  displacement_gradients(const Stencils<dim>    &stencils,
+                         const PartOfBatch<dim> &part,
+                         const double           *displacement,
+                         const unsigned int     *nodes,
+                         StressBatch<dim>       &batch);
 
   /** A particle with det(Delta F) <= 0, in words. */
   template <int dim>
   std::string
   inverted_particle(const Stencils<dim> &stencils, const std::size_t point);
 
-  /** Add V0 P grad S of a batch to the forces of the group's nodes, N. */
+  /**
+   * Add V0 P grad S of points of a batch to the forces of their nodes, N.
+   * @param volume of the points
+   */
   template <int dim>
   void
-  add_forces(const Stencils<dim>                 &stencils,
-             const typename Stencils<dim>::Group &group,
-             const unsigned int                   first,
-             const double                        *volume,
-             const unsigned int                  *nodes,
-             const StressBatch<dim>              &batch,
-             std::vector<double>                 &force);
+  add_forces(const Stencils<dim>    &stencils,
+             const PartOfBatch<dim> &part,
+             const double           *volume,
+             const unsigned int     *nodes,
+             const StressBatch<dim> &batch,
+             std::vector<double>    &force);
 } // namespace emmy
 
 #endif

@@ -30,9 +30,10 @@ namespace emmy
                  std::vector<double>       &result);
 
   /**
-   * Hand out the effective mass M~ group by group, with what effects add to
-   * it: their sum over the nodes is M~ (Pretti et al. 2023, eqs 15, 18). Cost:
-   * a product of two shape functions for each particle and pair of its nodes.
+   * Hand out the effective mass M~ block by block, a group or some that follow
+   * each other at a time, with what effects add to it: their sum over the nodes
+   * is M~ (Pretti et al. 2023, eqs 15, 18). Cost: a product of two shape
+   * functions for each particle and pair of its nodes.
    *
    * @param masses of the points, kg
    * @param start  with active nodes, the effects' mass and lumping
