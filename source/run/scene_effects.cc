@@ -100,7 +100,6 @@ namespace emmy
     add_walls(const SceneParameters<dim>    &parameters,
               const BoundaryConditions<dim> &boundary_conditions,
               const BackgroundGrid<dim>     &grid,
-              const FieldLayout             &layout,
               Effects<dim>                  &effects)
     {
       if (parameters.moving_walls.are_present())
@@ -285,7 +284,7 @@ namespace emmy
       }
     if (!is_explicit)
       add_inertia_and_stress(parameters, bodies, layout, effects);
-    add_walls(parameters, boundary_conditions, grid, layout, effects);
+    add_walls(parameters, boundary_conditions, grid, effects);
     if (parameters.method.starved_nodes == "follow" && !is_explicit)
       {
         effects.terms.push_back(
