@@ -452,22 +452,6 @@ namespace emmy
 
   template <int dim>
   void
-  ComponentBlocks::copy_to(dealii::FullMatrix<double> &matrix) const
-  {
-    matrix.reinit(dim * n_nodes, dim * n_nodes, true);
-    for (unsigned int i = 0; i < dim; ++i)
-      for (unsigned int j = 0; j < dim; ++j)
-        for (unsigned int a = 0; a < n_nodes; ++a)
-          {
-            const double *of_node = values + i * by_i + j * by_j + a * by_a;
-            double       *row     = &matrix(dim * a + i, 0);
-            for (unsigned int b = 0; b < n_nodes; ++b)
-              row[dim * b + j] = of_node[b];
-          }
-  }
-
-  template <int dim>
-  void
   NodeGraph<dim>::add_components(const unsigned int               *nodes,
                                  const dealii::FullMatrix<double> &nodal,
                                  const Conditions                  conditions,
@@ -501,10 +485,6 @@ namespace emmy
       }
   }
 
-  template void
-  ComponentBlocks::copy_to<2>(dealii::FullMatrix<double> &) const;
-  template void
-  ComponentBlocks::copy_to<3>(dealii::FullMatrix<double> &) const;
   template class NodeGraph<2>;
   template class NodeGraph<3>;
 } // namespace emmy
