@@ -254,7 +254,8 @@ namespace emmy
           break;
       }
     // far above round-off, far below what a ledger would show
-    if (!(left <= 1e-13 * scale))
+    const double size = b.l2_norm();
+    if (!(left <= 1e-13 * (size > 0. ? size : scale)))
       {
         result.is_solved = false;
         result.problem   = "the residual of the point-to-grid map stays at " +
