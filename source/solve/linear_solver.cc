@@ -8,7 +8,6 @@
 #include <emmy/solve/linear_solver.h>
 #include <emmy/solve/preconditioner.h>
 
-#include <Amesos.h>
 #include <Epetra_CrsGraph.h>
 
 #include <algorithm>
@@ -29,10 +28,6 @@ namespace emmy
       return result;
     }
 
-    /**
-     * LU: by KLU on one rank. On several MUMPS divides the matrix, which KLU
-     * would gather on one of them.
-     */
     class DirectSolver : public LinearSolver
     {
     public:
@@ -98,7 +93,7 @@ namespace emmy
       std::string
       name() const override
       {
-        return is_divided ? "direct (MUMPS)" : "direct (KLU)";
+        return "direct (KLU)";
       }
 
     private:
@@ -106,15 +101,9 @@ namespace emmy
       factorise(const Matrix &matrix)
       {
         LinearResult result;
-        is_divided = dealii::Utilities::MPI::n_mpi_processes(
-                       matrix.get_mpi_communicator()) > 1 &&
-                     Amesos().Query("Amesos_Mumps");
         try
           {
-            solver = std::make_unique<TW::SolverDirect>(
-              control,
-              TW::SolverDirect::AdditionalData(
-                /*output=*/false, is_divided ? "Amesos_Mumps" : "Amesos_Klu"));
+            solver = std::make_unique<TW::SolverDirect>(control);
             solver->initialize(matrix);
           }
         catch (const std::exception &)
@@ -125,8 +114,7 @@ namespace emmy
       }
 
       dealii::SolverControl             control;
-      bool                              is_divided = false;
-      bool                              is_scaled  = false;
+      bool                              is_scaled = false;
       Matrix                            scaled;
       Vector                            scale;
       std::unique_ptr<TW::SolverDirect> solver;
@@ -393,7 +381,7 @@ namespace emmy
                (state.n_failures == 0
                   ? std::string()
                   : ", which failed " + std::to_string(state.n_failures) +
-                      " times; then " + direct.name());
+                      " times; then direct (KLU)");
       }
 
     private:
