@@ -19,7 +19,8 @@ import sys
 PARTS = [
     ("Begin here", ["doc/first-day.md", "doc/user-guide.md", "GALLERY"]),
     ("Describe a scene", ["doc/geometry.md", "doc/materials.md", "doc/contact.md", "doc/tools.md",
-                          "doc/static.md", "doc/restart.md", "doc/study.md", "PARAMETERS"]),
+                          "doc/ground.md", "doc/static.md", "doc/restart.md", "doc/study.md",
+                          "PARAMETERS"]),
     ("Read results", ["doc/output.md", "doc/ledger.md", "doc/timing.md"]),
     ("Theory", ["doc/method.md", "doc/locking.md"]),
     ("How good, how fast", ["doc/accuracy-and-cost.md", "doc/stability.md", "doc/taylor-bar.md",
