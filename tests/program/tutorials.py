@@ -28,7 +28,7 @@ def check(name, holds, more=""):
 
 def run(command, folder, limit=300):
     environment = dict(os.environ, OMPI_MCA_odls_base_sigkill_timeout="0")
-    if command[0] != "mpirun": # a search for neighbours less
+    if "--oversubscribe" not in command: # a search for neighbours less
         environment.update(OMPI_MCA_ess_singleton_isolated="1", OMPI_MCA_pml="ob1", OMPI_MCA_btl="self")
     result = subprocess.run(command, cwd=folder, env=environment, timeout=limit,
                             capture_output=True, text=True, stdin=subprocess.DEVNULL)
