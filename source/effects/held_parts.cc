@@ -12,18 +12,6 @@ namespace emmy
   {}
 
   template <int dim>
-  std::vector<std::string>
-  HeldParts<dim>::columns_of(const std::string &part)
-  {
-    std::vector<std::string> columns;
-    for (unsigned int d = 0; d < dim; ++d)
-      columns.push_back("held_" + part + "_force_" + "xyz"[d]);
-    for (unsigned int d = 3 - n_moments; d < 3; ++d)
-      columns.push_back("held_" + part + "_moment_" + "xyz"[d]);
-    return columns;
-  }
-
-  template <int dim>
   EffectCard
   HeldParts<dim>::card(const BoundaryConditions<dim> *boundary_conditions)
   {
@@ -36,7 +24,8 @@ namespace emmy
     if (!boundary_conditions)
       return card;
     for (const HeldPart<dim> &part : boundary_conditions->held_parts())
-      for (const std::string &column : columns_of(part.name))
+      for (const std::string &column :
+           ReactionSum<dim>::columns_of("held_" + part.name))
         card.ledger_columns.push_back(column);
     return card;
   }
@@ -121,26 +110,16 @@ namespace emmy
                                 const Vector          &force)
   {
     std::vector<unsigned int> n(sums.size(), 0);
-    for (auto &sum : sums)
-      sum = {};
+    sums.assign(sums.size(), {});
     const auto first = force.begin();
     for_each_held(active,
                   [&](const unsigned int        part,
                       const unsigned int        c,
                       const dealii::Point<dim> &x,
                       const unsigned int        entry) {
-                    // that on the body is the residual
-                    const double f   = -*(first + entry);
-                    auto        &sum = sums[part];
                     ++n[part];
-                    sum[c] += f;
-                    if (dim == 2)
-                      sum[dim] += c == 0 ? -x[1] * f : x[0] * f;
-                    else // x cross f
-                      {
-                        sum[dim + (c + 1) % 3] += x[(c + 2) % 3] * f;
-                        sum[dim + (c + 2) % 3] -= x[(c + 1) % 3] * f;
-                      }
+                    // that on the body is the residual
+                    sums[part].add(x, c, -*(first + entry));
                   });
     dealii::Utilities::MPI::sum(n, active.communicator(), n_held);
   }
@@ -153,14 +132,10 @@ namespace emmy
   {
     std::vector<StepMeasure> result;
     for (unsigned int part = 0; part < sums.size(); ++part)
-      {
-        std::vector<double> values(sums[part].begin(), sums[part].end());
-        dealii::Utilities::MPI::sum(values, grid.communicator(), values);
-        const auto columns =
-          columns_of(boundary_conditions.held_parts()[part].name);
-        for (unsigned int i = 0; i < values.size(); ++i)
-          result.push_back({columns[i], values[i]});
-      }
+      sums[part].append_to(result,
+                           "held_" +
+                             boundary_conditions.held_parts()[part].name,
+                           grid.communicator());
     return result;
   }
 

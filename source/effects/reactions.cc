@@ -16,22 +16,58 @@ namespace emmy
   }
 
   template <int dim>
+  std::vector<std::string>
+  ReactionSum<dim>::columns_of(const std::string &beginning)
+  {
+    std::vector<std::string> columns;
+    for (unsigned int d = 0; d < dim; ++d)
+      columns.push_back(beginning + "_force_" + "xyz"[d]);
+    for (unsigned int d = 3 - n_moments; d < 3; ++d)
+      columns.push_back(beginning + "_moment_" + "xyz"[d]);
+    return columns;
+  }
+
+  template <int dim>
+  void
+  ReactionSum<dim>::add(const dealii::Point<dim> &x,
+                        const unsigned int        c,
+                        const double              f)
+  {
+    values[c] += f;
+    if (dim == 2)
+      values[dim] += c == 0 ? -x[1] * f : x[0] * f;
+    else // x cross f
+      {
+        values[dim + (c + 1) % 3] += x[(c + 2) % 3] * f;
+        values[dim + (c + 2) % 3] -= x[(c + 1) % 3] * f;
+      }
+  }
+
+  template <int dim>
+  void
+  ReactionSum<dim>::append_to(std::vector<StepMeasure> &measures,
+                              const std::string        &beginning,
+                              const MPI_Comm            communicator) const
+  {
+    std::vector<double> of_ranks(values.begin(), values.end());
+    dealii::Utilities::MPI::sum(of_ranks, communicator, of_ranks);
+    const auto columns = columns_of(beginning);
+    for (unsigned int i = 0; i < of_ranks.size(); ++i)
+      measures.push_back({columns[i], of_ranks[i]});
+  }
+
+  template <int dim>
   Reactions<dim>::Reactions(const BoundaryConditions<dim> &boundary_conditions)
     : boundary_conditions(boundary_conditions)
   {}
 
   template <int dim>
-  std::vector<std::string>
-  Reactions<dim>::columns_of(const unsigned int side)
+  std::string
+  Reactions<dim>::beginning_of(const unsigned int side)
   {
     std::string name = side_names(dim)[side];
     std::replace(name.begin(), name.end(), '-', '_');
-    std::vector<std::string> columns;
-    for (unsigned int d = 0; d < dim; ++d)
-      columns.push_back("wall_" + name + "_force_" + "xyz"[d]);
-    for (unsigned int d = 3 - n_moments; d < 3; ++d)
-      columns.push_back("wall_" + name + "_moment_" + "xyz"[d]);
-    return columns;
+    return "wall_" + name;
   }
 
   template <int dim>
@@ -45,7 +81,8 @@ namespace emmy
     for (unsigned int side = 0; side < 2 * dim; ++side)
       if (!boundary_conditions ||
           boundary_conditions->fixed_components_of(side).any())
-        for (const std::string &column : columns_of(side))
+        for (const std::string &column :
+             ReactionSum<dim>::columns_of(beginning_of(side)))
           card.ledger_columns.push_back(column);
     card.is_present = boundary_conditions;
     return card;
@@ -74,15 +111,7 @@ namespace emmy
                 ++side;
             if (side == 2 * dim)
               continue;
-            const double f = -*entry; // that on the body is the residual
-            sums[side][c] += f;
-            if (dim == 2)
-              sums[side][dim] += c == 0 ? -x[1] * f : x[0] * f;
-            else // x cross f
-              {
-                sums[side][dim + (c + 1) % 3] += x[(c + 2) % 3] * f;
-                sums[side][dim + (c + 2) % 3] -= x[(c + 1) % 3] * f;
-              }
+            sums[side].add(x, c, -*entry); // that on the body is the residual
           }
       }
   }
@@ -96,16 +125,12 @@ namespace emmy
     std::vector<StepMeasure> result;
     for (unsigned int side = 0; side < 2 * dim; ++side)
       if (boundary_conditions.fixed_components_of(side).any())
-        {
-          std::vector<double> values(sums[side].begin(), sums[side].end());
-          dealii::Utilities::MPI::sum(values, grid.communicator(), values);
-          const auto columns = columns_of(side);
-          for (unsigned int i = 0; i < values.size(); ++i)
-            result.push_back({columns[i], values[i]});
-        }
+        sums[side].append_to(result, beginning_of(side), grid.communicator());
     return result;
   }
 
+  template class ReactionSum<2>;
+  template class ReactionSum<3>;
   template class Reactions<2>;
   template class Reactions<3>;
 } // namespace emmy

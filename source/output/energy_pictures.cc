@@ -49,7 +49,6 @@ namespace emmy
                             ending) == 0;
     }
 
-
     std::vector<Curve>
     present(const std::vector<Curve>       &curves,
             const std::vector<std::string> &columns)

@@ -1,12 +1,24 @@
+#include <deal.II/base/utilities.h>
+
 #include <emmy/base/exceptions.h>
 #include <emmy/base/formula.h>
 #include <emmy/base/text.h>
 #include <emmy/particles/initial_stress.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace emmy
 {
+  namespace
+  {
+    double
+    number_of(const std::string &text)
+    {
+      return dealii::Utilities::string_to_double(text);
+    }
+  } // namespace
+
   double
   LevelGround::vertical_stress(const double height) const
   {
@@ -66,6 +78,8 @@ namespace emmy
   {
     auto      &prm = dealii::ParameterAcceptor::prm;
     const auto any = dealii::Patterns::Double();
+    // or nothing
+    const auto number = dealii::Patterns::List(any, 0, 1);
     section.add_parameter(
       "Initial stress",
       kind,
@@ -79,7 +93,7 @@ namespace emmy
                           "Of level ground: the height of its surface. "
                           "Unit: m. Required there.",
                           prm,
-                          any);
+                          number);
     section.add_parameter("Unit weight",
                           unit_weight,
                           "Of level ground: its weight per volume. Unit: "
@@ -90,9 +104,9 @@ namespace emmy
                           water_level,
                           "Of level ground: the height below which "
                           "<Buoyant unit weight> is its weight. Unit: m. "
-                          "-1e300: there is no water.",
+                          "Empty: there is no water.",
                           prm,
-                          any);
+                          number);
     section.add_parameter("Buoyant unit weight",
                           buoyant_unit_weight,
                           "Of level ground below the water: its weight less "
@@ -101,8 +115,8 @@ namespace emmy
                           any);
     section.add_parameter("Surcharge",
                           surcharge,
-                          "Of level ground: a pressure on its surface. Unit: "
-                          "Pa.",
+                          "Of level ground: a pressure on its surface, not "
+                          "negative. Unit: Pa.",
                           prm,
                           any);
     section.add_parameter("K0",
@@ -111,7 +125,7 @@ namespace emmy
                           "stress. Dimensionless. Required there, not "
                           "negative.",
                           prm,
-                          any);
+                          number);
     section.add_parameter("Stress",
                           components,
                           "Formulas in x, y (and z), in m, of the components "
@@ -143,31 +157,37 @@ namespace emmy
           std::string(dim == 2 ? "" : "; xz; yz") +
           " in Pa, each a formula in " +
           dealii::FunctionParser<dim>::default_variable_names() + "."));
-    require(surface_level != not_given,
+    require(!surface_level.empty(),
             "Ground level",
             "",
             "level ground needs the height of its surface (m).");
+    require(surcharge >= 0.,
+            "Surcharge",
+            shortest(surcharge),
+            "a pressure (Pa) must not be negative.");
     require(unit_weight >= 0. && (unit_weight > 0. || surcharge > 0.),
             "Unit weight",
             shortest(unit_weight),
             "level ground needs its weight per volume (N/m^3), density times "
             "acceleration.");
-    require(water_level == not_given || buoyant_unit_weight > 0.,
+    require(water_level.empty() || buoyant_unit_weight > 0.,
             "Buoyant unit weight",
             shortest(buoyant_unit_weight),
             "ground in water needs its weight per volume there (N/m^3), e.g. "
             "10e3.");
-    require(lateral_ratio >= 0.,
+    require(!lateral_ratio.empty() && number_of(lateral_ratio) >= 0.,
             "K0",
-            shortest(lateral_ratio),
+            lateral_ratio,
             "required, and must not be negative. Without lateral strain it is "
             "nu/(1 - nu); in sand about 1 - sin(phi).");
-    return std::make_unique<InitialStress<dim>>(LevelGround{surface_level,
-                                                            unit_weight,
-                                                            water_level,
-                                                            buoyant_unit_weight,
-                                                            surcharge,
-                                                            lateral_ratio});
+    return std::make_unique<InitialStress<dim>>(
+      LevelGround{number_of(surface_level),
+                  unit_weight,
+                  water_level.empty() ? std::numeric_limits<double>::lowest()
+                                      : number_of(water_level),
+                  buoyant_unit_weight,
+                  surcharge,
+                  number_of(lateral_ratio)});
   }
 
   template class InitialStress<2>;

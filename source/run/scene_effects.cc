@@ -145,7 +145,9 @@ namespace emmy
     /** Explicit steps take loads, and nothing that Newton would need. */
     template <int dim>
     void
-    require_explicit(const std::string &effect, const Effects<dim> &effects)
+    require_explicit(const std::string  &effect,
+                     const std::string  &entry,
+                     const Effects<dim> &effects)
     {
       AssertThrow(std::none_of(effects.terms.begin(),
                                effects.terms.end(),
@@ -156,15 +158,16 @@ namespace emmy
                                "Integrator",
                                "explicit",
                                "explicit steps have no place for the effect <" +
-                                 effect +
-                                 ">. Remove it from Effects/Names, or set "
-                                 "Integrator = implicit."));
+                                 effect + ">. Remove it from " + entry +
+                                 ", or set Integrator = implicit."));
     }
 
     /** Static steps take loads: other forces know of steps in time. */
     template <int dim>
     void
-    require_static(const std::string &effect, const Effects<dim> &effects)
+    require_static(const std::string  &effect,
+                   const std::string  &entry,
+                   const Effects<dim> &effects)
     {
       AssertThrow(
         std::none_of(effects.terms.begin(),
@@ -178,7 +181,8 @@ namespace emmy
                      "Integrator",
                      "static",
                      "static steps have no place for the effect <" + effect +
-                       ">. Remove it from Effects/Names, or set "
+                       ">. Remove it from " + entry +
+                       ", or set "
                        "Integrator = implicit."));
     }
 
@@ -300,11 +304,12 @@ namespace emmy
           parameters.method.template make_starved_nodes<dim>(layout));
         effects.name_new(starved_nodes_effect);
       }
-    const auto require_steps = [&](const std::string &name) {
+    const auto require_steps = [&](const std::string &name,
+                                   const std::string &entry) {
       if (is_explicit)
-        require_explicit(name, effects);
+        require_explicit(name, entry, effects);
       if (parameters.time.is_static())
-        require_static(name, effects);
+        require_static(name, entry, effects);
     };
     if (parameters.contact_sides.are_present())
       {
@@ -312,14 +317,14 @@ namespace emmy
                                         boundary_conditions,
                                         effects,
                                         layout);
-        require_steps(contact_sides_effect);
+        require_steps(contact_sides_effect, "Boundary conditions/Contact");
       }
     for (const std::string &name : parameters.effect_names.names)
       {
         layout.set_effect(name);
         parameters.effects.at(name)->add_to(effects, layout);
         effects.name_new(name);
-        require_steps(name);
+        require_steps(name, "Effects/Names");
       }
     require_raised_loads(parameters);
     return effects;

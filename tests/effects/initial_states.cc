@@ -266,7 +266,13 @@ main(int argc, char *argv[])
                  "choose a K0"});
   check_refused("set Model = Hencky\n",
                 at_rest,
-                {"<Bodies/b/K0> is <-1>", "nu/(1 - nu)"});
+                {"<Bodies/b/K0>", "nu/(1 - nu)"});
+  check_refused("set Model = Hencky\n",
+                at_rest + "set K0 = -0.1\n",
+                {"<Bodies/b/K0> is <-0.1>", "must not be negative"});
+  check_refused("set Model = Hencky\n",
+                at_rest + "set K0 = 0.5\nset Surcharge = -1\n",
+                {"<Bodies/b/Surcharge> is <-1>", "must not be negative"});
   check_refused("set Model = Hencky\nset Stiffness factor = y\n",
                 "",
                 {"the stiffness_factor of body <b>", "must be positive"});

@@ -1,7 +1,7 @@
 #ifndef emmy_effects_held_parts_h
 #define emmy_effects_held_parts_h
 
-#include <emmy/effects/effect.h>
+#include <emmy/effects/reactions.h>
 
 namespace emmy
 {
@@ -55,11 +55,6 @@ namespace emmy
     finding() override;
 
   private:
-    static constexpr unsigned int n_moments = dim == 2 ? 1 : 3;
-
-    static std::vector<std::string>
-    columns_of(const std::string &part);
-
     /** Call function(part, component, position, entry) for what is held. */
     template <class Function>
     void
@@ -73,8 +68,7 @@ namespace emmy
                  Vector                                    &vector) const;
 
     const BoundaryConditions<dim> &boundary_conditions;
-    /** On the parts: forces, then moments; this rank's share. */
-    std::vector<std::array<double, dim + n_moments>> sums;
+    std::vector<ReactionSum<dim>>  sums;
     std::vector<unsigned int> n_held; ///< components of nodes, of all ranks
     std::vector<bool>         is_told;
   };

@@ -19,6 +19,36 @@ namespace emmy
   };
 
   /**
+   * What some of the nodes are held by, as columns of the ledger: the force, N,
+   * and the moment about the origin, N m; in the plane per metre.
+   */
+  template <int dim>
+  class ReactionSum
+  {
+  public:
+    /** BEGINNING_force_x, ..., BEGINNING_moment_z. */
+    static std::vector<std::string>
+    columns_of(const std::string &beginning);
+
+    /** A component of the force on what holds a node at a place. */
+    void
+    add(const dealii::Point<dim> &place,
+        const unsigned int        component,
+        const double              force);
+
+    /** Append the columns, summed over the ranks. Collective. */
+    void
+    append_to(std::vector<StepMeasure> &measures,
+              const std::string        &beginning,
+              const MPI_Comm            communicator) const;
+
+  private:
+    static constexpr unsigned int n_moments = dim == 2 ? 1 : 3;
+
+    std::array<double, dim + n_moments> values{}; // this rank's share
+  };
+
+  /**
    * Forces and moments on the sides of the grid that hold something, as columns
    * of the ledger: wall_SIDE_force_x, in N, and the moment about the origin,
    * wall_SIDE_moment_z, in N m; in the plane per metre. They are those that the
@@ -52,14 +82,11 @@ namespace emmy
             const BackgroundGrid<dim> &grid) override;
 
   private:
-    static constexpr unsigned int n_moments = dim == 2 ? 1 : 3;
+    static std::string
+    beginning_of(const unsigned int side);
 
-    static std::vector<std::string>
-    columns_of(const unsigned int side);
-
-    const BoundaryConditions<dim> &boundary_conditions;
-    /** On the sides: forces, then moments; this rank's share. */
-    std::array<std::array<double, dim + n_moments>, 2 * dim> sums{};
+    const BoundaryConditions<dim>        &boundary_conditions;
+    std::array<ReactionSum<dim>, 2 * dim> sums;
   };
 } // namespace emmy
 

@@ -76,13 +76,6 @@ namespace emmy
     void
     recall(const std::vector<std::vector<double>> &parts) override;
 
-    void
-    classify(const Stencils<dim> &,
-             const PointArrays<dim> &,
-             const BackgroundGrid<dim> &grid) override
-    {
-      found.communicator = grid.communicator();
-    }
     bool
     is_force() const override
     {

@@ -71,12 +71,9 @@ namespace emmy
     make(const std::string &section) const;
 
   private:
-    double      surface_level = not_given, unit_weight = 0.;
-    double      water_level = not_given, buoyant_unit_weight = 0.;
-    double      surcharge = 0., lateral_ratio = -1.;
+    std::string surface_level, water_level, lateral_ratio; // may be empty
+    double      unit_weight = 0., buoyant_unit_weight = 0., surcharge = 0.;
     std::string components;
-
-    static constexpr double not_given = -1e300;
   };
 } // namespace emmy
 
