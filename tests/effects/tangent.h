@@ -16,9 +16,12 @@ namespace emmy
     inline std::mt19937                           random_numbers(7);
     inline std::uniform_real_distribution<double> uniform(-1., 1.);
 
-    /** J du of an equation that is solved, and how r changes along du. */
+    /**
+     * J du of an equation that is solved, and how r changes along du.
+     * @return share in it of what stands beside the matrix
+     */
     template <int dim>
-    void
+    double
     check_tangent(NonlinearEquation    &equation,
                   const GridStart<dim> &start,
                   Vector               &solution,
@@ -32,8 +35,11 @@ namespace emmy
       equation.expand(direction);
       Vector expected = solution;
       equation.system().jacobian.vmult(expected, direction);
+      const Vector of_matrix = expected;
       for (const RankOne &term : equation.system().rank_ones)
         expected.add(term.row * direction, term.column);
+      Vector beside = expected;
+      beside -= of_matrix;
       start.active->constraints().set_zero(expected); // followers have none
       double error = 0.;
       for (const double h : {1e-6, 1e-7})
@@ -58,6 +64,7 @@ namespace emmy
           error = change.l2_norm() / expected.l2_norm();
         }
       at_most(what + ": derivative of the whole step", error, 1e-8);
+      return beside.l2_norm() / expected.l2_norm();
     }
 
     /**
@@ -66,7 +73,7 @@ namespace emmy
      * @param n_steps before it
      */
     template <int dim>
-    void
+    double
     check_tangent_of_start(const std::string &text,
                            const std::string &what    = "start",
                            const unsigned int n_steps = 2)
@@ -97,15 +104,15 @@ namespace emmy
       Vector u = start.mean_velocity;
       u *= 0.04;
       start.active->constraints().expand(u);
-      check_tangent<dim>(*equation,
-                         start,
-                         u,
-                         std::to_string(dim) + "D, " + what);
+      return check_tangent<dim>(*equation,
+                                start,
+                                u,
+                                std::to_string(dim) + "D, " + what);
     }
 
     /** The same where places follow. */
     template <int dim>
-    void
+    double
     check_tangent_of_middle(const std::string &text,
                             const std::string &what    = "middle",
                             const unsigned int n_steps = 2)
@@ -148,12 +155,11 @@ namespace emmy
           none        = 0.;
           equation.take(u, none);
         }
-      check_tangent<dim>(equation,
-                         equation.grid_start(),
-                         u,
-                         std::to_string(dim) + "D, " + what);
+      return check_tangent<dim>(equation,
+                                equation.grid_start(),
+                                u,
+                                std::to_string(dim) + "D, " + what);
     }
-
   } // namespace test
 } // namespace emmy
 
