@@ -1,7 +1,9 @@
 #include <emmy/solve/block_ilu.h>
 
 #include <Epetra_CrsMatrix.h>
+#include <Epetra_Import.h>
 #include <Epetra_Map.h>
+#include <Epetra_Vector.h>
 
 #include <algorithm>
 #include <cmath>
@@ -145,7 +147,123 @@ namespace emmy
           result[n * j + i] = static_cast<float>(rows[i][n + j]);
       return result;
     }
+
+    /** The nodes of other ranks that rows of this one meet, in order. */
+    template <int n>
+    std::vector<int>
+    met_on_others(const Epetra_CrsMatrix &entries)
+    {
+      const Epetra_Map &met = entries.ColMap();
+      std::vector<int>  result;
+      for (int j = 0; j < met.NumMyElements(); ++j)
+        if (!entries.RowMap().MyGID(met.GID(j)))
+          result.push_back(met.GID(j) / n);
+      std::sort(result.begin(), result.end());
+      result.erase(std::unique(result.begin(), result.end()), result.end());
+      return result;
+    }
+
+    /** The unknowns of these nodes. */
+    template <int n>
+    Epetra_Map
+    unknowns_of(const std::vector<int> &nodes, const Epetra_Map &all)
+    {
+      std::vector<int> unknowns;
+      for (const int node : nodes)
+        for (int i = 0; i < n; ++i)
+          unknowns.push_back(n * node + i);
+      return {
+        -1, static_cast<int>(unknowns.size()), unknowns.data(), 0, all.Comm()};
+    }
+
+    /**
+     * The rows of this rank's nodes and, behind them, those of the nodes of
+     * others that they meet. Columns are counted likewise; those further away
+     * are left out.
+     */
+    template <int n>
+    class Rows
+    {
+    public:
+      /** @param others where the rows of the others come from, or nullptr */
+      Rows(const Epetra_CrsMatrix &entries,
+           const std::vector<int> &met,
+           const Epetra_Import    *others)
+        : entries(entries)
+        , n_owned(entries.NumMyRows() / n)
+        , n_nodes(n_owned + met.size())
+        , column(entries.ColMap().NumMyElements())
+      {
+        const auto place_of = [&](const int unknown) {
+          const int own = entries.RowMap().LID(unknown);
+          if (own >= 0)
+            return static_cast<unsigned int>(own);
+          const auto node =
+            std::lower_bound(met.begin(), met.end(), unknown / n);
+          return node != met.end() && *node == unknown / n
+                   ? static_cast<unsigned int>(
+                       n * (n_owned + (node - met.begin())) + unknown % n)
+                   : none;
+        };
+        for (unsigned int j = 0; j < column.size(); ++j)
+          column[j] = place_of(entries.ColMap().GID(j));
+        if (others == nullptr)
+          return;
+        Epetra_CrsMatrix rows(
+          Copy, static_cast<const Epetra_Map &>(others->TargetMap()), 0);
+        rows.Import(entries, *others, Insert);
+        for (int i = 0; i < rows.NumMyRows(); ++i)
+          {
+            int     length, *unknowns;
+            double *of_row;
+            rows.ExtractGlobalRowView(rows.GRID(i), length, of_row, unknowns);
+            for (int k = 0; k < length; ++k)
+              other_columns.push_back(place_of(unknowns[k]));
+            values.insert(values.end(), of_row, of_row + length);
+            first.push_back(values.size());
+          }
+      }
+
+      /** Calls entry(column, value) for those of the unknown i. */
+      template <typename Entry>
+      void
+      for_each(const unsigned int i, const Entry &entry) const
+      {
+        if (i < n * n_owned)
+          {
+            int     length, *in_row;
+            double *of_row;
+            entries.ExtractMyRowView(i, length, of_row, in_row);
+            for (int k = 0; k < length; ++k)
+              if (column[in_row[k]] != none)
+                entry(column[in_row[k]], of_row[k]);
+          }
+        else
+          for (std::size_t k = first[i - n * n_owned];
+               k < first[i - n * n_owned + 1];
+               ++k)
+            if (other_columns[k] != none)
+              entry(other_columns[k], values[k]);
+      }
+
+    private:
+      const Epetra_CrsMatrix &entries;
+
+    public:
+      const unsigned int n_owned, n_nodes;
+
+    private:
+      std::vector<unsigned int> column, other_columns;
+      std::vector<double>       values;
+      std::vector<std::size_t>  first = {0};
+    };
   } // namespace
+
+  template <int n>
+  BlockIlu<n>::BlockIlu() = default;
+
+  template <int n>
+  BlockIlu<n>::~BlockIlu() = default;
 
   template <int n>
   void
@@ -162,39 +280,34 @@ namespace emmy
   BlockIlu<n>::copy(const Matrix &matrix)
   {
     const Epetra_CrsMatrix &entries = matrix.trilinos_matrix();
-    const Epetra_Map       &ours    = entries.RowMap();
-    const Epetra_Map       &others  = entries.ColMap();
-    const unsigned int      n_nodes = entries.NumMyRows() / n;
-
-    std::vector<unsigned int> unknown(others.NumMyElements());
-    for (unsigned int j = 0; j < unknown.size(); ++j)
-      unknown[j] = ours.LID(others.GID(j)); // -1 becomes none
+    const std::vector<int>  met     = met_on_others<n>(entries);
+    if (entries.Comm().NumProc() > 1)
+      {
+        others =
+          std::make_unique<Epetra_Import>(unknowns_of<n>(met, entries.RowMap()),
+                                          entries.RowMap());
+        from_others = std::make_unique<Epetra_Vector>(others->TargetMap());
+      }
+    const Rows<n>      rows(entries, met, others.get());
+    const unsigned int n_nodes = rows.n_nodes;
 
     std::vector<unsigned int> first(1, 0), pattern, place(n_nodes, none);
     scale.assign(n * n_nodes, 1.);
-    int     length, *row;
-    double *values;
     for (unsigned int node = 0; node < n_nodes; ++node)
       {
         place[node] = 0; // whatever the matrix has
         pattern.push_back(node);
         for (int i = 0; i < n; ++i)
-          {
-            entries.ExtractMyRowView(n * node + i, length, values, row);
-            for (int k = 0; k < length; ++k)
-              {
-                const unsigned int j = unknown[row[k]];
-                if (j == none)
-                  continue;
-                if (place[j / n] == none)
-                  {
-                    place[j / n] = 0;
-                    pattern.push_back(j / n);
-                  }
-                if (j == n * node + i && values[k] != 0.)
-                  scale[j] = 1. / std::sqrt(std::abs(values[k]));
-              }
-          }
+          rows.for_each(n * node + i,
+                        [&](const unsigned int j, const double value) {
+                          if (place[j / n] == none)
+                            {
+                              place[j / n] = 0;
+                              pattern.push_back(j / n);
+                            }
+                          if (j == n * node + i && value != 0.)
+                            scale[j] = 1. / std::sqrt(std::abs(value));
+                        });
         std::sort(pattern.begin() + first.back(), pattern.end());
         for (unsigned int k = first.back(); k < pattern.size(); ++k)
           place[pattern[k]] = none;
@@ -209,16 +322,12 @@ namespace emmy
         for (unsigned int k = upper[node]; k < upper_end(node); ++k)
           place[columns[k]] = k;
         for (int i = 0; i < n; ++i)
-          {
-            entries.ExtractMyRowView(n * node + i, length, values, row);
-            for (int k = 0; k < length; ++k)
-              {
-                const unsigned int j = unknown[row[k]];
-                if (j != none)
-                  blocks[place[j / n]][n * (j % n) + i] = static_cast<float>(
-                    values[k] * scale[n * node + i] * scale[j]);
-              }
-          }
+          rows.for_each(n * node + i,
+                        [&](const unsigned int j, const double value) {
+                          blocks[place[j / n]][n * (j % n) + i] =
+                            static_cast<float>(value * scale[n * node + i] *
+                                               scale[j]);
+                        });
       }
   }
 
@@ -296,15 +405,20 @@ namespace emmy
   double
   BlockIlu<n>::substitute(const Vector &r) const
   {
-    const unsigned int n_nodes = upper.size();
-    const double      *in      = r.begin();
+    const unsigned int n_nodes = upper.size(), n_owned = r.locally_owned_size();
+    const double      *in = r.begin();
+    if (others != nullptr)
+      from_others->Import(r.trilinos_vector(), *others, Insert);
+    const auto scaled = [&](const unsigned int i) {
+      return scale[i] * (i < n_owned ? in[i] : (*from_others)[i - n_owned]);
+    };
     // single precision has no room for very large and very small numbers
     double largest = 0.;
     for (unsigned int i = 0; i < n * n_nodes; ++i)
-      largest = std::max(largest, std::abs(in[i] * scale[i]));
+      largest = std::max(largest, std::abs(scaled(i)));
     const double size = largest > 0. ? largest : 1.;
     for (unsigned int i = 0; i < n * n_nodes; ++i)
-      work[i] = static_cast<float>(in[i] * scale[i] / size);
+      work[i] = static_cast<float>(scaled(i) / size);
 
     for (unsigned int i = 0; i < n_nodes; ++i)
       {
@@ -334,7 +448,7 @@ namespace emmy
   {
     const double size = substitute(r);
     double      *out  = z.begin();
-    for (unsigned int i = 0; i < work.size(); ++i)
+    for (unsigned int i = 0; i < r.locally_owned_size(); ++i)
       out[i] = work[i] * scale[i] * size;
   }
 
@@ -344,7 +458,7 @@ namespace emmy
   {
     const double size = substitute(r);
     double      *out  = z.begin();
-    for (unsigned int i = 0; i < work.size(); ++i)
+    for (unsigned int i = 0; i < r.locally_owned_size(); ++i)
       out[i] += work[i] * scale[i] * size;
   }
 
