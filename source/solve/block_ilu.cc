@@ -177,9 +177,9 @@ namespace emmy
     }
 
     /**
-     * The rows of this rank's nodes and, behind them, those of the nodes of
-     * others that they meet. Columns are counted likewise; those further away
-     * are left out.
+     * The rows of this rank's nodes between those of the nodes of others that
+     * they meet, all in the order of the whole matrix. Columns are counted
+     * likewise; those further away are left out.
      */
     template <int n>
     class Rows
@@ -190,20 +190,24 @@ namespace emmy
            const std::vector<int> &met,
            const Epetra_Import    *others)
         : entries(entries)
-        , n_owned(entries.NumMyRows() / n)
-        , n_nodes(n_owned + met.size())
+        , begin(n * (std::lower_bound(met.begin(),
+                                      met.end(),
+                                      entries.RowMap().MinMyGID() / n) -
+                     met.begin()))
+        , end(begin + entries.NumMyRows())
+        , n_nodes(entries.NumMyRows() / n + met.size())
         , column(entries.ColMap().NumMyElements())
       {
         const auto place_of = [&](const int unknown) {
           const int own = entries.RowMap().LID(unknown);
           if (own >= 0)
-            return static_cast<unsigned int>(own);
+            return begin + own;
           const auto node =
             std::lower_bound(met.begin(), met.end(), unknown / n);
-          return node != met.end() && *node == unknown / n
-                   ? static_cast<unsigned int>(
-                       n * (n_owned + (node - met.begin())) + unknown % n)
-                   : none;
+          if (node == met.end() || *node != unknown / n)
+            return none;
+          const unsigned int place = n * (node - met.begin()) + unknown % n;
+          return place < begin ? place : place + end - begin;
         };
         for (unsigned int j = 0; j < column.size(); ++j)
           column[j] = place_of(entries.ColMap().GID(j));
@@ -229,28 +233,29 @@ namespace emmy
       void
       for_each(const unsigned int i, const Entry &entry) const
       {
-        if (i < n * n_owned)
+        if (i >= begin && i < end)
           {
             int     length, *in_row;
             double *of_row;
-            entries.ExtractMyRowView(i, length, of_row, in_row);
+            entries.ExtractMyRowView(i - begin, length, of_row, in_row);
             for (int k = 0; k < length; ++k)
               if (column[in_row[k]] != none)
                 entry(column[in_row[k]], of_row[k]);
+            return;
           }
-        else
-          for (std::size_t k = first[i - n * n_owned];
-               k < first[i - n * n_owned + 1];
-               ++k)
-            if (other_columns[k] != none)
-              entry(other_columns[k], values[k]);
+        const unsigned int other = i < begin ? i : i - (end - begin);
+        for (std::size_t k = first[other]; k < first[other + 1]; ++k)
+          if (other_columns[k] != none)
+            entry(other_columns[k], values[k]);
       }
 
     private:
       const Epetra_CrsMatrix &entries;
 
     public:
-      const unsigned int n_owned, n_nodes;
+      /** Of this rank's unknowns. */
+      const unsigned int begin, end;
+      const unsigned int n_nodes;
 
     private:
       std::vector<unsigned int> column, other_columns;
@@ -290,6 +295,8 @@ namespace emmy
       }
     const Rows<n>      rows(entries, met, others.get());
     const unsigned int n_nodes = rows.n_nodes;
+    begin                      = rows.begin;
+    end                        = rows.end;
 
     std::vector<unsigned int> first(1, 0), pattern, place(n_nodes, none);
     scale.assign(n * n_nodes, 1.);
@@ -405,12 +412,14 @@ namespace emmy
   double
   BlockIlu<n>::substitute(const Vector &r) const
   {
-    const unsigned int n_nodes = upper.size(), n_owned = r.locally_owned_size();
-    const double      *in = r.begin();
+    const unsigned int n_nodes = upper.size();
+    const double      *in      = r.begin();
     if (others != nullptr)
       from_others->Import(r.trilinos_vector(), *others, Insert);
     const auto scaled = [&](const unsigned int i) {
-      return scale[i] * (i < n_owned ? in[i] : (*from_others)[i - n_owned]);
+      return scale[i] * (i < begin ? (*from_others)[i]
+                         : i < end ? in[i - begin]
+                                   : (*from_others)[i - (end - begin)]);
     };
     // single precision has no room for very large and very small numbers
     double largest = 0.;
@@ -448,8 +457,8 @@ namespace emmy
   {
     const double size = substitute(r);
     double      *out  = z.begin();
-    for (unsigned int i = 0; i < r.locally_owned_size(); ++i)
-      out[i] = work[i] * scale[i] * size;
+    for (unsigned int i = begin; i < end; ++i)
+      out[i - begin] = work[i] * scale[i] * size;
   }
 
   template <int n>
@@ -458,8 +467,8 @@ namespace emmy
   {
     const double size = substitute(r);
     double      *out  = z.begin();
-    for (unsigned int i = 0; i < r.locally_owned_size(); ++i)
-      out[i] += work[i] * scale[i] * size;
+    for (unsigned int i = begin; i < end; ++i)
+      out[i - begin] += work[i] * scale[i] * size;
   }
 
   template class BlockIlu<2>;

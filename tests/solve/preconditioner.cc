@@ -28,20 +28,24 @@ namespace
   class Lattice
   {
   public:
-    Lattice(const int nx, const int ny, const double mass)
+    Lattice(const int      nx,
+            const int      ny,
+            const double   mass,
+            const MPI_Comm communicator = world)
       : nx(nx)
       , ny(ny)
     {
-      const unsigned int rank = dealii::Utilities::MPI::this_mpi_process(world),
-                         n_ranks =
-                           dealii::Utilities::MPI::n_mpi_processes(world);
+      const unsigned int rank = dealii::Utilities::MPI::this_mpi_process(
+                           communicator),
+                         n_ranks = dealii::Utilities::MPI::n_mpi_processes(
+                           communicator);
       const auto first = [&](const unsigned int part) {
         return dim * (nx * ny * part / n_ranks);
       };
       dealii::IndexSet rows(dim * nx * ny);
       rows.add_range(first(rank), first(rank + 1));
       rows.compress();
-      dealii::TrilinosWrappers::SparsityPattern pattern(rows, world);
+      dealii::TrilinosWrappers::SparsityPattern pattern(rows, communicator);
       for_each_entry(rows, mass, [&](const auto i, const auto j, const double) {
         pattern.add(i, j);
       });
@@ -52,7 +56,7 @@ namespace
       });
       matrix.compress(dealii::VectorOperation::add);
       places.cell_size = 1.;
-      places.coordinates.reinit(rows, world);
+      places.coordinates.reinit(rows, communicator);
       for (const auto i : rows)
         places.coordinates(i) =
           i % dim == 0 ? int(i / dim) / ny : int(i / dim) % ny;
@@ -180,9 +184,11 @@ namespace
   }
 
   unsigned int
-  iterations(const int n, const bool with_places)
+  iterations(const int      n,
+             const bool     with_places,
+             const MPI_Comm communicator = world)
   {
-    const Lattice plate(n, n, 1e-4);
+    const Lattice plate(n, n, 1e-4, communicator);
     const Vector  b = plate.vector([](const int x, const int y, const int c) {
       return c == 0 ? 0. : 1. + 0.1 * std::sin(x + 2. * y);
     });
@@ -203,13 +209,16 @@ namespace
   {
     const unsigned int alone = iterations(60, false),
                        small = iterations(30, true),
-                       large = iterations(60, true);
+                       large = iterations(60, true),
+                       one   = iterations(60, true, MPI_COMM_SELF);
     const std::string text   = std::to_string(small) + " iterations on 30^2, " +
                              std::to_string(large) + " on 60^2, " +
-                             std::to_string(alone) + " without boxes";
+                             std::to_string(alone) + " without boxes, " +
+                             std::to_string(one) + " on one rank";
     std::cout << text << '\n';
     check(large <= 1.4 * small, "they hardly grow: " + text);
     check(2 * large <= alone, "boxes halve them: " + text);
+    check(large <= 1.2 * one, "ranks hardly add to them: " + text);
   }
 } // namespace
 

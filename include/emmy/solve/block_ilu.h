@@ -82,6 +82,8 @@ namespace emmy
     std::vector<double>        scale;
     mutable std::vector<float> work;
 
+    /** Of this rank's unknowns, among those of others. */
+    unsigned int begin = 0, end = 0;
     /** What the nodes of others have, of a vector; none with one rank. */
     std::unique_ptr<Epetra_Import> others;
     std::unique_ptr<Epetra_Vector> from_others;
