@@ -17,14 +17,16 @@
 #include <emmy/run/scene_parameters.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
+
+#include <unistd.h>
 
 #include "../scene.h"
 
 using namespace emmy;
 using dealii::Point;
-using test::at_most;
 using test::check;
 using test::check_close;
 using Settings = std::vector<std::string>;
