@@ -98,12 +98,14 @@ namespace emmy
   bool
   ElasticConstants::are_nearly_incompressible() const
   {
-    constexpr double limit = 0.4;
-    // nu = (3 K - 2 G)/(2 (3 K + G)) of the other pair
-    return bulk_modulus > 0. && shear_modulus > 0.
-             ? 3. * bulk_modulus - 2. * shear_modulus >
-                 2. * limit * (3. * bulk_modulus + shear_modulus)
-             : poisson_ratio > limit;
+    const double K = bulk_modulus, G = shear_modulus,
+                 nu = K > 0. && G > 0. ? (3. * K - 2. * G) / (6. * K + 2. * G)
+                                       : poisson_ratio;
+    // A fluid: G is less than 1e-6 K. With a treatment only G resists changes
+    // of shape in a cell, and the round-off of the mean stress, 1e-16 K, is
+    // then more than Newton may leave of it.
+    constexpr double fluid = 0.4999995;
+    return nu > 0.4 && nu < fluid;
   }
 
   template <int dim>

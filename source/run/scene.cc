@@ -21,6 +21,9 @@ namespace emmy
 {
   namespace
   {
+    /** Ledger column of scenes that begin with a stress: in row 0. */
+    constexpr const char *initial_imbalance = "initial_imbalance";
+
     template <int dim>
     std::vector<std::unique_ptr<Material<dim>>>
     make_materials(const SceneParameters<dim> &parameters)
@@ -278,16 +281,18 @@ namespace emmy
   bool
   Scene<dim>::has_initial_stress() const
   {
-    return std::any_of(bodies.begin(), bodies.end(), [](const auto &body) {
-      return body.initial_stress != nullptr;
-    });
+    // a run that starts from another one has that run's stress
+    return parameters.start.from.empty() &&
+           std::any_of(bodies.begin(), bodies.end(), [](const auto &body) {
+             return body.initial_stress != nullptr;
+           });
   }
 
   template <int dim>
   void
   Scene<dim>::add_initial_stress(StepReport &report)
   {
-    if (!has_initial_stress() || !parameters.start.from.empty())
+    if (!has_initial_stress())
       return;
     const double stored    = strain_energy<dim>(layout, grid, particles);
     const double imbalance = stepper->imbalance();
@@ -298,6 +303,7 @@ namespace emmy
           state.detector.stored_energy += stored;
           state.detector.largest_stored += stored;
         }
+    report.measures.push_back({initial_imbalance, imbalance});
     notes.push_back("initial stress: " + brief(stored) +
                     " J stored; out of balance with loads and sides by " +
                     brief(imbalance) + " of the forces");
@@ -326,6 +332,8 @@ namespace emmy
         "nodes that few particles reach are free, and bodies are pushed at "
         "their edges: these may fold or tear off, and Newton may find no end. "
         "Remedy: Method/Starved nodes = follow");
+    if (has_initial_stress())
+      report.measures.push_back({initial_imbalance, 0.});
     measure(report);
     return report;
   }

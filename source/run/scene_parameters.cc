@@ -122,7 +122,8 @@ namespace emmy
                   "automatic: cell where a body flows plastically or has a "
                   "Poisson's ratio above 0.4, unless explicit steps, another "
                   "<Stress rule> or Domain update = corners have no place "
-                  "for it; else none.",
+                  "for it; else none. Fluids, above 0.4999995, do not ask for "
+                  "it.",
                   prm,
                   Selection("automatic|none|cell"));
     add_parameter("Wall mapping",

@@ -379,11 +379,12 @@ namespace emmy
     unsigned int       rounds = 0;
     for (;; ++rounds)
       {
-        const auto increment = begin();
-        if (!prepare(*increment,
-                     1.,
-                     1.,
-                     setting.limits.end_time / setting.limits.increments))
+        const auto   increment = begin();
+        const double end       = state.time;
+        state.time -= report.time_step; // amplitudes of the last increment
+        const bool is_prepared = prepare(*increment, 1., 1., report.time_step);
+        state.time             = end;
+        if (!is_prepared)
           break;
         StepEquation<dim> &equation = *increment->equation;
         left = equation.residual().l2_norm() / equation.system().scale;

@@ -183,6 +183,9 @@ namespace
     say(name + ": stored " + brief(stored) + " J, out of balance by " +
         brief(imbalance) + ", kinetic energy at most " + brief(moves) + " J");
     check(imbalance < 1e-13, name + ": in balance");
+    const auto told = run.column("initial_imbalance");
+    check(told[0] == imbalance && test::largest(told) == imbalance,
+          name + ": row 0 says how far from balance it is");
     check(stored > 1e3, name + ": row 0 has the energy");
     check(moves < 1e-20 * stored, name + ": it stays at rest");
     check_close(run.ledger["strain_energy"],
@@ -192,6 +195,25 @@ namespace
     check(!run.scene.notes.empty() &&
             run.scene.notes.back().find("initial stress: ") == 0,
           name + ": the log says so");
+  }
+
+  /** Half the stress that the weight asks for is far out of balance. */
+  void
+  check_imbalance()
+  {
+    const SceneParameters<2> parameters(ParameterFile::from_text(
+      ground("set Model = Hencky\n",
+             "set Initial stress = level ground\nset Ground level = 0\n"
+             "set Unit weight = 10e3\nset K0 = 0.5\n",
+             "set Step rule = fixed\nset Step size = 0.01\nset End time = 1\n"),
+      "too light"));
+    test::RunningScene<2>    run(parameters);
+    run.advance(1);
+    const auto told = run.column("initial_imbalance");
+    say("half the weight: out of balance by " + brief(told[0]));
+    // half of the weight, of forces that count those on sides too
+    check(told[0] > 0.1 && told[0] < 0.5, "too light: out of balance");
+    check(told[1] == 0., "too light: row 0 alone says it");
   }
 
   /** Moduli that grow with depth: the settlement of the closed form. */
@@ -258,6 +280,7 @@ main(int argc, char *argv[])
              "set Model = neo-Hooke\n",
              "set Initial stress = formulas\n"
              "set Stress = 10e3*y; 20e3*y; 12e3*y; 0\n");
+  check_imbalance();
   check_settlement();
 
   check_refused("set Model = von Mises\nset Yield stress = 1e3\n",

@@ -190,6 +190,34 @@ namespace
             !scene.layout.has("cell_mean_stress"),
           "no fields of a treatment that is not asked for");
   }
+
+  /** What automatic is for elastic bodies: it leaves out fluids. */
+  void
+  check_choice()
+  {
+    const auto chosen = [](const std::string &constants) {
+      std::string text = block<2>("", in_time);
+      text.replace(text.find("= cell"), 6, "= automatic");
+      const auto from = text.find("set Model"), to = text.find("end", from);
+      text.replace(from,
+                   to - from,
+                   "set Model = Hencky\nset Density = 5\n" + constants);
+      return parsed<2>(text).method.locking_treatment;
+    };
+    const auto nu = [](const std::string &value) {
+      return "set Young's modulus = 100\nset Poisson's ratio = " + value + "\n";
+    };
+    const auto shear = [](const std::string &value) {
+      return "set Bulk modulus = 2e9\nset Shear modulus = " + value + "\n";
+    };
+    check(chosen(nu("0.3")) == "none", "automatic: none for cork and steel");
+    check(chosen(nu("0.45")) == "cell", "automatic: cell for rubber");
+    check(chosen(nu("0.49999")) == "cell", "automatic: cell for gels");
+    check(chosen(nu("0.4999999")) == "none", "automatic: none for fluids");
+    check(chosen(shear("1e9")) == "none", "automatic: none, by moduli");
+    check(chosen(shear("1e6")) == "cell", "automatic: cell, by moduli");
+    check(chosen(shear("1e-6")) == "none", "automatic: none for water");
+  }
 } // namespace
 
 int
@@ -205,6 +233,7 @@ main(int argc, char *argv[])
   check_tangent_of_middle<3>("GIMP", "stretch");
   check_refusals();
   check_absence();
+  check_choice();
   const std::string start  = "set Geometry = start\n",
                     middle = "set Geometry = middle\n";
   check_alike<2>(start, "2D, start");

@@ -31,7 +31,7 @@ namespace emmy
     ElasticConstants
     completed(const std::string &section) const;
 
-    /** Poisson's ratio is above 0.4, as far as it was given. */
+    /** Poisson's ratio is above 0.4, as far as given; not of fluids. */
     bool
     are_nearly_incompressible() const;
   };
