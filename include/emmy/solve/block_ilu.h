@@ -25,9 +25,11 @@ namespace emmy
   class BlockIlu
   {
   public:
+    /** Factorise. */
     void
     make(const Matrix &matrix);
 
+    /** z = P^-1 r. */
     void
     vmult(Vector &z, const Vector &r) const;
 
