@@ -2,6 +2,7 @@
 """Make the pages of the manual, which doxygen then turns into HTML.
 
     doc/manual.py SOURCE_ROOT FOLDER     # pages and pictures into FOLDER
+    doc/manual.py --header FILE.h        # a header as doxygen should read it
     cmake --build build --target doc     # does that, and calls doxygen
 
 Pages are the Markdown files of the project as they are, in the order below,
@@ -206,6 +207,57 @@ def uncommented(program):
     return re.sub(r"\n{3,}", "\n\n", text).strip() + "\n"
 
 
+# <Model> in a comment is a word of a parameter file, no tag
+WORD_IN_BRACKETS = re.compile(r"(?<![\w<\\])<([A-Za-z][\w' ]*)>")
+DECLARATION = re.compile(r"( *)((?:(?:static|constexpr|const|mutable|unsigned) )*[\w:]+(?:<[^;=]*>)? +(?:const )?)(\*?\w[^()]*,[^()]*);$")
+
+
+def split_at_commas(text):
+    parts, depth = [""], 0
+    for letter in text:
+        depth += (letter in "<[{(") - (letter in ">]})")
+        if letter == "," and depth == 0:
+            parts.append("")
+        else:
+            parts[-1] += letter
+    return [part.strip() for part in parts]
+
+
+def header(text):
+    """For doxygen: words in brackets are no tags, and what is said of <int a, b;> is said of both.
+    Lines keep their numbers."""
+    lines = text.split("\n")
+    for i, line in enumerate(lines):
+        code, mark, words = line.partition("//")
+        if mark or re.match(r"\s*(/\*\*| \*)", line):
+            start = 0 if not mark else len(code)
+            lines[i] = line = line[:start] + WORD_IN_BRACKETS.sub(r"\<\1\>", line[start:])
+        after = re.match(r"(.*;)\s*///< (.*)", line)
+        code = (after[1] if after else line).rstrip()
+        k = i
+        while code.endswith(",") and k + 1 < len(lines): # goes on in the next line
+            k += 1
+            code += " " + lines[k].strip()
+        found = DECLARATION.match(code)
+        comment = after[2] if after else comment_before(lines, i)
+        if found and comment:
+            names = split_at_commas(found[3])
+            lines[i] = found[1] + " ".join(
+                ("" if n == 0 and not after else f"/** {comment} */ ") + found[2] + name + ";" for n, name in enumerate(names))
+            lines[i + 1:k + 1] = [""] * (k - i)
+    return "\n".join(lines)
+
+
+def comment_before(lines, i):
+    """The words of the comment that ends in the line above; empty: none."""
+    k = i - 1
+    if k < 0 or not lines[k].rstrip().endswith("*/"):
+        return ""
+    while k > 0 and "/**" not in lines[k]:
+        k -= 1
+    return " ".join(re.sub(r"^\s*(/\*\*|\*/|\*)|\*/\s*$", "", line).strip() for line in lines[k:i]).strip()
+
+
 def head_of(scene):
     """The comment at the start of a scene by its keys; '' is what stands first."""
     words, key = {"": ""}, ""
@@ -247,6 +299,9 @@ def gallery(root):
 
 
 if __name__ == "__main__":
+    if sys.argv[1:2] == ["--header"]:
+        print(header(read(sys.argv[2])), end="")
+        sys.exit()
     if len(sys.argv) != 3:
         sys.exit(__doc__)
     Manual(sys.argv[1], sys.argv[2]).make()

@@ -1,4 +1,5 @@
 #include <emmy/base/text.h>
+#include <emmy/effects/starved_nodes.h>
 #include <emmy/run/scene_advice.h>
 
 #include <algorithm>
@@ -164,6 +165,69 @@ namespace emmy
       return counts;
     }
 
+    /** Nodes that follow others, by the bodies that reach them. */
+    template <int dim>
+    std::vector<std::set<dealii::types::global_dof_index>>
+    starved_nodes(const Scene<dim> &scene)
+    {
+      const auto stencils =
+        scene.shape_functions->evaluate(scene.particles, scene.grid);
+      const auto points = gather(stencils, scene.layout);
+      scene.balance.classify(stencils, points, scene.grid, nullptr);
+      const auto couplings = scene.balance.couplings(stencils,
+                                                     scene.grid,
+                                                     scene.boundary_conditions,
+                                                     nullptr);
+      std::set<dealii::types::global_dof_index> tied;
+      for (const TiedNode<dim> &node : couplings.tied_nodes)
+        tied.insert(node.id);
+      std::vector<std::set<dealii::types::global_dof_index>> result(
+        scene.bodies.size());
+      for (const auto &group : stencils.groups)
+        for (unsigned int i = 0; i < group.n_nodes; ++i)
+          if (const auto id = stencils.node_ids[group.first_node + i];
+              tied.count(id) > 0)
+            result[group.body].insert(id);
+      return result;
+    }
+
+    /** How many nodes starve at the start, and where one is. Collective. */
+    template <int dim>
+    void
+    tell_starved(const Scene<dim> &scene, std::ostream &out)
+    {
+      if (!scene.balance.has(starved_nodes_effect))
+        return;
+      const auto found    = starved_nodes(scene);
+      bool       is_first = true;
+      for (unsigned int b = 0; b < scene.bodies.size(); ++b)
+        {
+          using Place = std::array<double, dim>;
+          std::vector<Place> places; // ranks number nodes in their own way
+          for (const auto id : found[b])
+            {
+              const auto x = scene.grid.node_position(id);
+              std::copy_n(x.begin_raw(), dim, places.emplace_back().begin());
+            }
+          std::set<Place> all; // nodes between ranks count once
+          for (const auto &part :
+               dealii::Utilities::MPI::gather(scene.grid.communicator(),
+                                              places))
+            all.insert(part.begin(), part.end());
+          if (all.empty())
+            continue;
+          line(out, is_first ? "starved at the start" : "")
+            << "body " << scene.bodies[b].name << ": " << all.size()
+            << " follow others, the first at (";
+          for (unsigned int d = 0; d < dim; ++d)
+            out << (d > 0 ? ", " : "") << brief((*all.begin())[d]);
+          out << ") m\n";
+          is_first = false;
+        }
+      if (is_first)
+        line(out, "starved at the start") << "none\n";
+    }
+
     template <int dim>
     void
     tell_cheaper(const SceneParameters<dim> &parameters,
@@ -198,6 +262,7 @@ namespace emmy
     if (!parameters.time.is_static())
       tell_waves(scene, initial, out);
     tell_units(scene, out);
+    tell_starved(scene, out);
     const auto counts = count(scene);
     if (counts.overlaps > 0)
       out << "  note: the boxes of " << counts.overlaps

@@ -2,6 +2,7 @@
 #include <emmy/base/text.h>
 #include <emmy/base/whole_file.h>
 #include <emmy/study/study.h>
+#include <emmy/study/study_html.h>
 #include <emmy/study/study_page.h>
 #include <emmy/study/study_pictures.h>
 #include <emmy/study/study_runner.h>
@@ -81,7 +82,13 @@ namespace emmy
       AssertThrow(problem.empty(), ExcRun("Study", problem, file_remedy));
       for (const std::string &warning : draw_study(plan, table))
         screen << "note: " << warning << '\n';
-      screen << "page with pictures in " << page << '\n';
+      const std::string html = plan.directory + "/report.html";
+      const std::string html_problem =
+        write_whole_file(html, study_as_html(text.str(), plan.directory));
+      AssertThrow(html_problem.empty(),
+                  ExcRun("Study", html_problem, file_remedy));
+      screen << "page with pictures in " << page << ", for a browser in "
+             << html << '\n';
     }
 
     /** Errors that only the results show. Collective. */

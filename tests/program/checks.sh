@@ -85,17 +85,6 @@ run_on_two_ranks()
     >"$work/out" 2>"$work/err" </dev/null || status=$?
 }
 
-# built NAME ARGUMENTS...: cmake succeeds
-cmake= # set by the scripts that build
-built()
-{
-  last_run="cmake, $1"
-  shift
-  status=0
-  "$cmake" "$@" >"$work/out" 2>"$work/err" </dev/null || status=$?
-  check "$last_run" [ "$status" -eq 0 ]
-}
-
 # says FILE WORDS: the words are there, wherever lines are broken
 says()
 {

@@ -47,6 +47,10 @@ for page, text in texts.items():
             wrong.append(f"{page}: <{full}> has no heading <{anchor}>")
         if picture:
             shown.add(full)
+    # formulas: doxygen and its page want those within a line whole
+    for line in re.sub(r"\$\$.*?\$\$|`[^`\n]*`", "", without_code(text), flags=re.S).split("\n"):
+        if line.count("$") % 2:
+            wrong.append(f"{page}: a formula goes on in the next line: <{line}>")
     # files that a page names
     for name in re.findall(r"`((?:prm|doc|source|include|tests)/[\w./-]+\.\w+)`", text):
         if not os.path.exists(os.path.join(root, name)) and not re.search(r"(?i)/layer/", name):

@@ -21,7 +21,6 @@ ONLY_CHECKED = {  # why no step is made
     "prm/validation/taylor-8.prm": "size",
 }
 NOT_RUN = {
-    "doc/examples/neo-hooke/block.prm": "its material is not emmy's; the test outside_material runs it",
     "doc/parameters.prm": "the reference of all parameters; the test parameter_reference makes it",
     "doc/study.prm": "the same of studies",
     "doc/tutorials/step-3/step-3.prm": "its material is not emmy's; the test tutorials runs it",

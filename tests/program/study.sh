@@ -266,6 +266,11 @@ for words in 'approached with order' '## The cheapest setting' '## What each cho
   '| mapping | PIC | FLIP |' '6 of 6 members are done'; do
   check "errors: the page says <$words>" says $e/study.md "$words"
 done
+page=$e/report.html
+check 'page: its rows are those of study.md' \
+  [ "$(grep -c '^<tr>' "$page")" -eq "$(grep '^|' "$e/study.md" | grep -cv '^|---')" ]
+check 'page: no mark of Markdown is left' has_lines 0 "$page" '\*\*|^\||^#|!\['
+check 'page: needs no other file' has_lines 0 "$page" '(src|href)="[^d]'
 for picture in error-seconds error-size; do
   check "errors: $picture.gp" [ -s $e/$picture.gp ]
   if command -v gnuplot >/dev/null; then

@@ -28,8 +28,9 @@ namespace emmy
   class DeclaredParameters
   {
   public:
-    using Path = std::vector<std::string>; // section names, outermost first
+    using Path = std::vector<std::string>; ///< section names, outermost first
 
+    /** What a declaration is. */
     enum class Kind
     {
       entry,
@@ -37,15 +38,17 @@ namespace emmy
       section
     };
 
+    /** One line of the list. */
     struct Declaration
     {
-      Path        home; // the section it stands in; empty: the top level
-      std::string name;
-      Kind        kind;
-      std::string pattern;       // of an entry: the form in_words() reads
-      std::string documentation; // of an entry
+      Path        home;    ///< the section it stands in; empty: the top level
+      std::string name;    ///< of the section or entry
+      Kind        kind;    ///< section, entry, or another name of one
+      std::string pattern; ///< of an entry: the form in_words() reads
+      std::string documentation; ///< of an entry
     };
 
+    /** All that a handler has declared, in its order. */
     explicit DeclaredParameters(const dealii::ParameterHandler &prm);
 
     /**

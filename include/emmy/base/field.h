@@ -12,6 +12,7 @@ namespace emmy
    */
   struct Field
   {
+    /** Number of components: scalar, vector, symmetric tensor or tensor. */
     enum class Kind
     {
       scalar,
@@ -20,10 +21,10 @@ namespace emmy
       tensor            ///< dim x dim components by rows; 33 is 1 in 2D
     };
 
-    std::string name;
-    Kind        kind;
-    std::string unit;
-    std::string description;
+    std::string name;        ///< with which code asks for it
+    Kind        kind;        ///< what it has per particle
+    std::string unit;        ///< SI, for the header of files
+    std::string description; ///< for `fields.txt`
     /** Components of an undisturbed particle; empty: all zero. */
     std::vector<double> initial      = {};
     unsigned int        n_components = 0; ///< set by the layout
@@ -36,9 +37,14 @@ namespace emmy
      * small numbers: the name under which the whole is written and told, and
      * the constant, one per component. Empty: as it is carried.
      */
-    std::string         written_as   = {};
+    std::string written_as = {};
+    /**
+     * Added to each component where it is written, e.g. 1 on the diagonal of b
+     * - I.
+     */
     std::vector<double> written_plus = {};
 
+    /** The name in files: that of what is written. */
     const std::string &
     written_name() const
     {

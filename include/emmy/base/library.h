@@ -29,13 +29,15 @@ namespace emmy
   class Library
   {
   public:
+    /** Makes a product. */
     using Maker = std::function<std::unique_ptr<Product>(Argument)>;
 
+    /** One line. */
     struct Entry
     {
-      std::string name;
-      std::string description;
-      Maker       make;
+      std::string name;        ///< as in parameter files
+      std::string description; ///< for `emmy --list`
+      Maker       make;        ///< makes the product
       /** For the scene card. Name and setting are filled in by the scene. */
       EffectCard card = {};
     };
@@ -53,12 +55,14 @@ namespace emmy
       entries.push_back(std::move(entry));
     }
 
+    /** All lines, in the order in which they were added. */
     const std::vector<Entry> &
     list() const
     {
       return entries;
     }
 
+    /** Of all lines. */
     std::vector<std::string>
     names() const
     {

@@ -8,6 +8,7 @@ namespace emmy
 {
   /** Distributed matrices and vectors of the grid's unknowns. */
   using Matrix = dealii::TrilinosWrappers::SparseMatrix;
+  /** One number per unknown, distributed. */
   using Vector = dealii::TrilinosWrappers::MPI::Vector;
 } // namespace emmy
 

@@ -61,7 +61,7 @@ namespace emmy
     /** The combined times of one phase or effect. */
     struct Row
     {
-      std::string name;
+      std::string name;   ///< as in the table of times
       std::string within; ///< the effect that it is a part of; empty: none
       double      calls        = 0.; ///< most calls on any rank
       double      seconds      = 0.; ///< of the slowest rank

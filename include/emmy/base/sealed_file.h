@@ -16,7 +16,7 @@ namespace emmy
    */
   struct SealedFile
   {
-    std::string   content;
+    std::string   content;      ///< without the seal
     std::uint64_t checksum = 0; ///< of the file
     /** Why the content may not be used; empty: it is whole. */
     std::string problem;

@@ -15,6 +15,7 @@ namespace emmy
   class Section : public dealii::ParameterAcceptor
   {
   public:
+    /** A section of a parameter file, e.g. "Effects/Gravity". */
     explicit Section(const std::string &path)
       : dealii::ParameterAcceptor("/" + path)
       , full_path(path)

@@ -57,12 +57,13 @@ namespace emmy
     /** A node of a root. */
     struct Master
     {
+      /** Of the node, as numbered over all ranks. */
       dealii::types::global_dof_index id;
       CellKey<dim> place;       ///< this rank may not know the node
       double       weight = 0.; ///< in a Follower not zero
     };
 
-    dealii::types::global_dof_index node_id;
+    dealii::types::global_dof_index node_id; ///< the node that follows
     std::vector<CellKey<dim>>       roots;   ///< cells, sorted
     std::vector<Master>             masters; ///< sorted by place
     unsigned int distance = 0; ///< of node and roots, cells, largest component
@@ -76,6 +77,7 @@ namespace emmy
              const std::vector<Root<dim>>         &roots,
              const BackgroundGrid<dim>            &grid);
 
+    /** Same node, root and weights. */
     bool
     operator==(const Follower &other) const
     {
@@ -89,7 +91,8 @@ namespace emmy
   {
     /** Those among the nodes that this rank knows. */
     std::vector<Follower<dim>> followers;
-    std::uint64_t              n_followers = 0;
+    /** Nodes that follow, over all ranks. */
+    std::uint64_t n_followers = 0;
     /** Starved nodes that are free: NodeClasses::n_kept, and those of now that
      * no root is near.
      */

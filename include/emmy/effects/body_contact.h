@@ -29,6 +29,7 @@ namespace emmy
     /** Numbers of the fields that it reads. */
     struct Fields
     {
+      /** Where a particle's body, and its F, are among its numbers. */
       unsigned int body, deformation_gradient;
     };
 

@@ -25,7 +25,8 @@ namespace emmy
     /** Points of a group, and what a batch says of them. */
     struct Points
     {
-      const Stencils<dim>                 &stencils;
+      const Stencils<dim> &stencils; ///< of the step
+      /** The particles of one body in the cell. */
       const typename Stencils<dim>::Group &group;
       unsigned int                         first;   ///< point of the group
       const StressBatch<dim>              &batch;   ///< of the points from that
@@ -36,6 +37,7 @@ namespace emmy
     void
     reinit(const unsigned int n_nodes);
 
+    /** Add particles of the group. */
     void
     add(const Points &points);
 

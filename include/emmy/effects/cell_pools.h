@@ -27,6 +27,7 @@ namespace emmy
       double stress_end  = 0.; ///< sum V0 tr tau/3, then over theta V_c
       double own_by_mean = 0.; ///< sum V0 dPi/d theta, then over V_c
 
+      /** Particles of the pool, as the stencils number them. */
       std::vector<std::size_t> points;
       /** Nodes in the grid that the points reach, each once. */
       std::vector<dealii::types::global_dof_index> node_ids;
@@ -36,15 +37,18 @@ namespace emmy
 
     /** In the order of the points, which does not depend on the window. */
     std::vector<Pool>         pools;
-    std::vector<unsigned int> pool_of_point;
-    std::vector<std::size_t>  group_of_point;
+    std::vector<unsigned int> pool_of_point; ///< by particle
+    /** By particle: its group of the stencils. */
+    std::vector<std::size_t> group_of_point;
 
+    /** The pool of particle p. */
     Pool &
     pool_of(const std::size_t p)
     {
       return pools[pool_of_point[p]];
     }
 
+    /** Find them anew: once a step. */
     void
     find(const Stencils<dim>                      &stencils,
          const std::vector<const Material<dim> *> &material_of_body);

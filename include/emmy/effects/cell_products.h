@@ -18,14 +18,17 @@ namespace emmy
   class CellProducts
   {
   public:
+    /** Particles that share a mean. */
     using Pool = typename CellPools<dim>::Pool;
 
     /** Of a point: V0, V/V_c, V0/V_c. */
     struct Weights
     {
+      /** Factors of one particle. */
       double force, ratio, stress;
     };
 
+    /** For one step, whose state they refer to. */
     CellProducts(const StepData<dim>              &step,
                  const Iterate<dim>               &iterate,
                  const CellPools<dim>             &cells,

@@ -52,6 +52,7 @@ namespace emmy
     springs_of(const Candidates<dim>  &candidates,
                const PairSprings<dim> &springs) const;
 
+    /** Whether there are other ranks. */
     bool
     is_needed() const
     {

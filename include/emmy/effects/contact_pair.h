@@ -22,12 +22,13 @@ namespace emmy
   template <int dim>
   struct PairPoint
   {
-    dealii::Tensor<1, dim> particle;     ///< at t, m
-    dealii::Tensor<1, dim> way;          ///< S u, m
-    dealii::Tensor<2, dim> gradient;     ///< L
-    dealii::Tensor<1, dim> arm_old, arm; ///< F xi at t, and of the step, m
-    dealii::Tensor<2, dim> Z;            ///< of the middle, see pair_action()
-    bool                   at_middle;    ///< whether the arm is Z arm_old
+    dealii::Tensor<1, dim> particle; ///< at t, m
+    dealii::Tensor<1, dim> way;      ///< S u, m
+    dealii::Tensor<2, dim> gradient; ///< L
+    /** F xi at t, and of the step, m. */
+    dealii::Tensor<1, dim> arm_old, arm;
+    dealii::Tensor<2, dim> Z;         ///< of the middle, see pair_action()
+    bool                   at_middle; ///< whether the arm is Z arm_old
 
     /** At t, m. */
     dealii::Tensor<1, dim>
@@ -44,8 +45,9 @@ namespace emmy
     /** Components of (S u, L), or of (f, f (x) a): [(dim + 1) i + l]. */
     static constexpr unsigned int n_motion = dim * (dim + 1);
 
-    bool   acts    = false;
-    double gap_old = 0., gap_new = 0.; ///< g, m
+    bool acts = false; ///< whether they touch
+    /** g at t, and at the end of the step, m. */
+    double gap_old = 0., gap_new = 0.;
     /** On the first particle, and behind it on the second, N and N m. */
     std::array<double, 2 * n_motion> value{};
     /** By the motions of both particles, if asked for. */

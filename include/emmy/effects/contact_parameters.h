@@ -10,6 +10,7 @@ namespace emmy
   class ContactParameters : public EffectParameters<dim>
   {
   public:
+    /** Declares the entries of a section. */
     explicit ContactParameters(const std::string &section);
 
     void
@@ -23,6 +24,7 @@ namespace emmy
       return 0.1;
     }
 
+    /** What `emmy --check` says of it. */
     static EffectCard
     card();
     EffectCard

@@ -13,6 +13,7 @@ namespace emmy
   template <int dim>
   struct ContactBody
   {
+    /** No particle. */
     static constexpr unsigned int none =
       std::numeric_limits<unsigned int>::max();
 
@@ -26,7 +27,7 @@ namespace emmy
   template <int dim>
   struct ContactRules
   {
-    std::vector<ContactBody<dim>> bodies;
+    std::vector<ContactBody<dim>> bodies; ///< all, with their groups
     double       radius;   ///< R: the reach over the spacing of contact points
     unsigned int exponent; ///< q
     unsigned int points_per_direction; ///< n
@@ -34,6 +35,7 @@ namespace emmy
     double       friction;             ///< mu
     double       spring_stiffness;     ///< k_T/k
 
+    /** Of this rank and copies of others'. */
     unsigned int
     n_points() const
     {
@@ -61,8 +63,8 @@ namespace emmy
   template <int dim>
   struct ContactParticle
   {
-    dealii::types::particle_index id;
-    unsigned int                  body;
+    dealii::types::particle_index id;    ///< over all ranks
+    unsigned int                  body;  ///< its body's number
     unsigned int                  owner; ///< its rank
     std::size_t                   index; ///< there, among the places
     dealii::Point<dim>            place; ///< at t, m
@@ -76,7 +78,8 @@ namespace emmy
   /** Two particles of different groups; the first has the smaller id. */
   struct ParticlePair
   {
-    unsigned int first, second; ///< among the particles
+    /** Numbers among the particles. */
+    unsigned int first, second;
     /** Their contact points that may touch. */
     std::vector<std::array<unsigned char, 2>> points;
   };

@@ -13,7 +13,7 @@ namespace emmy
     double                 spacing;     ///< m
     double                 stiffness;   ///< M s^(dim-2) / 2^(dim-1), N/m
 
-    static constexpr unsigned int n = 1u << dim;
+    static constexpr unsigned int n = 1u << dim; ///< corners of a box
 
     /** xi of a corner: its place in the undeformed box, m. */
     dealii::Tensor<1, dim>
@@ -31,12 +31,13 @@ namespace emmy
   template <int dim>
   struct CornerMotion
   {
-    std::size_t                 p; ///< among the points
-    const ParticleCorners<dim> *corners;
+    std::size_t                 p;        ///< among the points
+    const ParticleCorners<dim> *corners;  ///< the particle's
     dealii::Point<dim>          place;    ///< at t, m
     dealii::Tensor<1, dim>      way;      ///< S u, m
     dealii::Tensor<2, dim>      gradient; ///< L
-    dealii::Tensor<2, dim>      F_old;
+    /** Deformation gradient at the start of the step. */
+    dealii::Tensor<2, dim> F_old;
     /** Of the arms a = F xi: F_old, or that of the middle, Z F_old. */
     dealii::Tensor<2, dim> F;
     dealii::Tensor<2, dim> Z; ///< of the middle; else zero
@@ -100,8 +101,10 @@ namespace emmy
   template <int dim>
   struct FollowedMotion
   {
+    /** How the corner moves with the nodes' displacements. */
     std::array<PointMotion<dim>, dim *(dim + 1)> by_nodes;
-    PointMotion<dim>                             shift;
+    /** How it moves with the particle's centre. */
+    PointMotion<dim> shift;
   };
 
   /** Of point @p q of a group, in an evaluation with derivatives. */
@@ -128,6 +131,7 @@ namespace emmy
   class CornerForces
   {
   public:
+    /** Particles of one body in one cell. */
     using Group = typename Stencils<dim>::Group;
 
     /** @param jacobian null: not wanted. Borrows all. */

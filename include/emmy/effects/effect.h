@@ -27,7 +27,7 @@ namespace emmy
   template <int dim>
   struct StepData
   {
-    const Stencils<dim>    &stencils;
+    const Stencils<dim>    &stencils;  ///< of the start of the step
     const PointArrays<dim> &points;    ///< states at t
     const GridStart<dim>   &start;     ///< mass, momentum, velocity at t
     double                  time;      ///< t, s

@@ -57,6 +57,7 @@ namespace emmy
   class VibrationParameters : public Section
   {
   public:
+    /** Declares the entries of a section. */
     explicit VibrationParameters(const std::string &path);
 
     /** @param omega 1/s. Throws ExcParameter. */
@@ -81,6 +82,7 @@ namespace emmy
   class VortexParameters : public Section
   {
   public:
+    /** Declares the entries of a section. */
     explicit VortexParameters(const std::string &path);
 
     /** @param omega 1/s. Throws ExcParameter. */

@@ -23,6 +23,7 @@ namespace emmy
                   FieldLayout                       &layout,
                   std::vector<std::string>           names = {});
 
+    /** What `emmy --check` says of it. */
     static EffectCard
     card();
 
@@ -51,6 +52,7 @@ namespace emmy
     energies(const PointArrays<dim> &points,
              const PointArrays<dim> &accepted,
              const double            work) const;
+    /** Names of the stored energies. */
     std::vector<EnergyEntry>
     energy_entries() const;
 

@@ -19,7 +19,8 @@ namespace emmy
   {
     /** Nodes of a layer normal to the face; there are three layers. */
     static constexpr unsigned int nodes_per_layer = 1 << (dim - 1);
-    static constexpr unsigned int n_nodes         = 3 * nodes_per_layer;
+    /** Of the cells on both sides. */
+    static constexpr unsigned int n_nodes = 3 * nodes_per_layer;
 
     unsigned int direction; ///< normal to the face
     /** Of the lower cell, the face, and the upper cell, layer by layer. */
@@ -31,9 +32,11 @@ namespace emmy
   /** What is known of an active cell. */
   struct GhostCell
   {
-    double density = 0., modulus = 0.; ///< the largest, kg/m^3, Pa
-    bool   is_boundary = false;
+    /** The largest of the particles, kg/m^3 and Pa. */
+    double density = 0., modulus = 0.;
+    bool   is_boundary = false; ///< whether the cell is at the edge of a body
 
+    /** Take the larger of both. */
     void
     include(const double other_density, const double other_modulus)
     {

@@ -11,11 +11,13 @@ namespace emmy
   class GhostParameters : public EffectParameters<dim>
   {
   public:
+    /** Declares the entries of a section. */
     explicit GhostParameters(const std::string &section);
 
     void
     add_to(Effects<dim> &effects, FieldLayout &layout) const override;
 
+    /** What `emmy --check` says of it. */
     static EffectCard
     card();
 
@@ -34,6 +36,7 @@ namespace emmy
   class GhostStabilisation : public Effect<dim>, public AddedMass<dim>
   {
   public:
+    /** With the faces that it acts on. */
     explicit GhostStabilisation(GhostFaces<dim> find);
 
     bool

@@ -10,11 +10,13 @@ namespace emmy
   class GravityParameters : public EffectParameters<dim>
   {
   public:
+    /** Declares the entries of a section. */
     explicit GravityParameters(const std::string &section);
 
     void
     add_to(Effects<dim> &effects, FieldLayout &layout) const override;
 
+    /** What `emmy --check` says of it. */
     static EffectCard
     card();
 

@@ -17,6 +17,7 @@ namespace emmy
     /** @param mass component of the points' mass */
     explicit Inertia(const unsigned int mass);
 
+    /** What `emmy --check` says of it. */
     static EffectCard
     card();
 

@@ -32,6 +32,7 @@ namespace emmy
                   const StressRule<dim> &rule = stress_rule<dim>("conserving"),
                   std::vector<std::string> names = {});
 
+    /** What `emmy --check` says of it. */
     static EffectCard
     card();
 

@@ -9,9 +9,10 @@ namespace emmy
   /** How much of the loads acts. */
   struct LoadRamp
   {
-    double                   factor = 1.;
+    double                   factor = 1.; ///< of all loads that it names
     std::vector<std::string> names; ///< effects that it is for; empty: all
 
+    /** By which an effect's load is multiplied. */
     double
     factor_of(const std::string &effect) const
     {

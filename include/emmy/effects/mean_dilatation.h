@@ -44,6 +44,7 @@ namespace emmy
   class MeanDilatation : public ForceTerm<dim>
   {
   public:
+    /** Which stress it averages. */
     using Kind = typename MeanDilatationStress<dim>::Kind;
 
     /** As those of InternalForce. */
@@ -52,6 +53,7 @@ namespace emmy
                    const Kind                         kind,
                    std::vector<std::string>           names = {});
 
+    /** What `emmy --check` says of it. */
     static EffectCard
     card(const bool is_present);
 

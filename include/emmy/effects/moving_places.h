@@ -14,11 +14,11 @@ namespace emmy
   template <int dim>
   struct PlaceRules
   {
-    const ShapeFunctions<dim> &shape_functions;
-    const DomainUpdate<dim>   *domain_update; ///< null: boxes stay
-    const BackgroundGrid<dim> &grid;
-    const FieldLayout         &layout;
-    const PointMapping        &mapping;
+    const ShapeFunctions<dim> &shape_functions; ///< of the scene
+    const DomainUpdate<dim>   *domain_update;   ///< null: boxes stay
+    const BackgroundGrid<dim> &grid;            ///< of the scene
+    const FieldLayout         &layout;          ///< of the scene
+    const PointMapping        &mapping;         ///< from particles to grid
   };
 
   /**
@@ -45,18 +45,20 @@ namespace emmy
     /** Points of a group, and what the internal force found there. */
     struct Points
     {
-      const StepData<dim>                 &step;
+      const StepData<dim> &step; ///< at the latest places
+      /** Particles of one body in one cell. */
       const typename Stencils<dim>::Group &group;
       const unsigned int                   first; ///< point of the group
       /** u, [dim * node + c], m */
       const std::vector<double> &local_displacement;
-      const StressBatch<dim>    &batch; ///< S-hat and dS-hat/dL of the middle
-      const MiddleStep<dim>     &middle;
+      const StressBatch<dim>    &batch;   ///< S-hat and dS-hat/dL of the middle
+      const MiddleStep<dim>     &middle;  ///< from t to the middle
       const double              *volumes; ///< reference volumes, m^3
       /** By what the boxes are scaled beyond what Z says; null: by nothing. */
       const double *box_scales = nullptr;
     };
 
+    /** Coordinates of a particle: position and half-lengths. */
     static constexpr auto nq = PlaceDerivatives<dim>::n;
 
     /** How the place of a point answers to its motion. */
@@ -103,6 +105,7 @@ namespace emmy
     {
       return responses[p];
     }
+    /** Derivatives of particle q's share with respect to its place. */
     void
     differentiate(const StepData<dim>                 &step,
                   const typename Stencils<dim>::Group &group,
@@ -122,6 +125,7 @@ namespace emmy
     {
       return has_boxes ? nq : dim;
     }
+    /** Into the rows of the nodes of the cell. */
     void
     add_to_share(const std::vector<double> &local);
 

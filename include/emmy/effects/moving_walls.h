@@ -16,6 +16,7 @@ namespace emmy
     /** Of each side; empty: it rests. Formulas in t, m/s. */
     std::vector<std::string> velocities;
 
+    /** Declares the velocities of sides. */
     explicit MovingWallParameters(
       const unsigned int dim,
       const std::string &section = "Boundary conditions");
@@ -46,6 +47,7 @@ namespace emmy
                 const BoundaryConditions<dim> &boundary_conditions,
                 const BackgroundGrid<dim>     &grid);
 
+    /** What `emmy --check` says of it. */
     static EffectCard
     card(const bool is_present);
 

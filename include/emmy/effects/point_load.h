@@ -19,11 +19,13 @@ namespace emmy
   class PointLoadParameters : public EffectParameters<dim>
   {
   public:
+    /** Declares the entries of a section. */
     explicit PointLoadParameters(const std::string &section);
 
     void
     add_to(Effects<dim> &effects, FieldLayout &layout) const override;
 
+    /** What `emmy --check` says of it. */
     static EffectCard
     card();
 

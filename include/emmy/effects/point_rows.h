@@ -19,11 +19,12 @@ namespace emmy
   template <int dim>
   struct PointRows
   {
+    /** Coordinates of a particle's place, and rows of weights. */
     static constexpr int nq = 2 * dim, n_weights = dim + 1;
 
-    unsigned int n_padded;
+    unsigned int n_padded; ///< nodes, rounded up to whole lanes
     /** The coordinates of the place that count; first those of the position. */
-    unsigned int n_used, used[nq];
+    unsigned int n_used, used[nq]; ///< coordinates that move, and which
 
     const double *u;            ///< [c]
     const double *weights;      ///< [l]
@@ -33,14 +34,16 @@ namespace emmy
     double *share;    ///< the change of the force with shift is added, [i]
     double *diagonal; ///< what stands on the diagonal alone is added
 
-    double Su[dim];
+    double Su[dim];                         ///< sum over nodes of S u, m
     double motion_by_q[nq][n_weights][dim]; ///< of used k; l; component
 
+    /** Factors of the weights' derivatives. */
     double w[dim], lumped;
-    double consistent; ///< dw/d(Su)
-    double T[dim][dim];
+    double consistent;                    ///< dw/d(Su)
+    double T[dim][dim];                   ///< stress times volume
     double tangent[dim * dim][dim * dim]; ///< dT/dL
-    double on_diagonal, least;            ///< times S_A, and of all nodes
+    /** Times S_A, and the least of all nodes. */
+    double on_diagonal, least;
     /** Of used k: the way to the place, and dq_k/d(Su)_j, dq_k/dL_jd. */
     double shift[nq], by_motion_of_q[nq][dim][n_weights];
 

@@ -12,8 +12,9 @@ namespace emmy
   class ReactionParameters : public Section
   {
   public:
-    bool are_present = false;
+    bool are_present = false; ///< whether sides and held parts are asked for
 
+    /** Declares the entry `Reactions`. */
     explicit ReactionParameters(
       const std::string &section = "Boundary conditions");
   };
@@ -66,6 +67,7 @@ namespace emmy
     /** Borrows the conditions. */
     explicit Reactions(const BoundaryConditions<dim> &boundary_conditions);
 
+    /** What `emmy --check` says of it. */
     static EffectCard
     card(const BoundaryConditions<dim> *boundary_conditions);
 

@@ -30,16 +30,18 @@ namespace emmy
   template <int dim>
   struct Root
   {
-    CellKey<dim> cell;
+    CellKey<dim> cell; ///< on the lattice of the grid
     std::array<dealii::types::global_dof_index,
                BackgroundGrid<dim>::nodes_per_cell>
       ids; ///< of its nodes, in deal.II's vertex order
 
+    /** By place. */
     bool
     operator<(const Root &other) const
     {
       return cell < other.cell;
     }
+    /** Same place. */
     bool
     operator==(const Root &other) const
     {

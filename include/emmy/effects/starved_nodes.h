@@ -18,8 +18,10 @@ namespace emmy
   class StarvedNodes : public Effect<dim>
   {
   public:
+    /** With the rule by which nodes starve. */
     explicit StarvedNodes(Aggregation<dim> aggregation);
 
+    /** What `emmy --check` says of it. */
     static EffectCard
     card(const bool is_present);
 

@@ -42,6 +42,7 @@ namespace emmy
     static EffectCard
     with_history(EffectCard material);
 
+    /** Of a body, by its number. */
     const Material<dim> &
     material(const unsigned int body) const
     {
@@ -126,6 +127,7 @@ namespace emmy
     std::vector<EnergyEntry>
     energies(const PointArrays<dim> &points,
              const PointArrays<dim> &accepted) const;
+    /** Names of the stored energies and of what is dissipated. */
     std::vector<EnergyEntry>
     energy_entries() const;
 

@@ -12,16 +12,20 @@ namespace emmy
   template <int dim>
   struct SurfaceLoadChoice
   {
+    /** Of the load, and its own. */
     std::string section, name;
     /** Where the box's faces look, 2 d or 2 d + 1; none: all of them. */
     unsigned int side = whole;
     /** Positive where the particles are whose faces it may be; null: all. */
     std::shared_ptr<const dealii::FunctionParser<dim>> region;
-    std::shared_ptr<const Amplitude>                   amplitude;
-    bool                                               follows = false;
+    /** Over time; null: constant. */
+    std::shared_ptr<const Amplitude> amplitude;
+    /** Whether the load turns with the body. */
+    bool                   follows = false;
     dealii::Tensor<1, dim> traction;      ///< Pa of the undeformed face
     double                 pressure = 0.; ///< Pa
 
+    /** No step within the boxes: the whole surface. */
     static constexpr unsigned int whole = static_cast<unsigned int>(-1);
   };
 
@@ -43,11 +47,14 @@ namespace emmy
       dealii::Tensor<1, dim> area; ///< along its normal, m^(dim-1)
     };
 
+    /** Where a particle's numbers are. */
     struct Fields
     {
+      /** Body, F, and which faces are loaded. */
       unsigned int body, deformation_gradient, faces;
     };
 
+    /** Finds the loaded faces of particles. */
     LoadedFaces(const Fields                                 &fields,
                 std::shared_ptr<const SurfaceLoadChoice<dim>> choice,
                 const std::vector<dealii::Tensor<1, dim>> &half_length_of_body);
@@ -61,9 +68,12 @@ namespace emmy
     std::vector<Face>
     of(const PointArrays<dim> &points, const std::size_t p) const;
 
-    const Fields                                        fields;
+    /** Where a particle's numbers are. */
+    const Fields fields;
+    /** Which surfaces. */
     const std::shared_ptr<const SurfaceLoadChoice<dim>> choice;
-    const std::vector<dealii::Tensor<1, dim>>           half_length_of_body;
+    /** At the start, m, by body. */
+    const std::vector<dealii::Tensor<1, dim>> half_length_of_body;
 
   private:
     bool
@@ -85,6 +95,7 @@ namespace emmy
   class Traction : public Effect<dim>
   {
   public:
+    /** On these faces. */
     explicit Traction(LoadedFaces<dim> faces);
 
     std::string
@@ -123,6 +134,7 @@ namespace emmy
   class Pressure : public ForceTerm<dim>
   {
   public:
+    /** On these faces. */
     explicit Pressure(LoadedFaces<dim> faces);
 
     std::string
@@ -159,18 +171,21 @@ namespace emmy
   class SurfaceLoadParameters : public Section
   {
   public:
+    /** One load, with its name. */
     SurfaceLoadParameters(const std::string &section, const std::string &name);
 
     /** Check and add; throws ExcParameter. */
     void
     add_to(Effects<dim> &effects, FieldLayout &layout) const;
 
+    /** The particle field that marks its faces. */
     Field
     field() const;
+    /** Pressure, else traction. */
     bool
     is_pressure() const;
 
-    const std::string name;
+    const std::string name; ///< as in `Names`
 
   private:
     std::string         side = "all", region;
@@ -184,6 +199,7 @@ namespace emmy
   class SurfaceLoadsParameters : public EffectParameters<dim>
   {
   public:
+    /** Declares the loads that `Names` lists. */
     explicit SurfaceLoadsParameters(const std::string &section);
 
     void
@@ -193,6 +209,7 @@ namespace emmy
     void
     add_to(Effects<dim> &effects, FieldLayout &layout) const override;
 
+    /** What `emmy --check` says of it. */
     static EffectCard
     card();
     EffectCard

@@ -26,11 +26,12 @@ namespace emmy
   template <int dim>
   struct Contact
   {
-    bool                   acts    = false;
-    double                 gap_old = 0., gap_new = 0.; ///< phi, m
-    dealii::Tensor<1, dim> force;                      ///< on the point, N
-    dealii::Tensor<2, dim> derivative;                 ///< df/dw, N/m
-    dealii::Tensor<1, dim> spring;                     ///< at the end, m
+    bool acts = false; ///< whether they touch
+    /** phi at t, and at the end of the step, m. */
+    double                 gap_old = 0., gap_new = 0.;
+    dealii::Tensor<1, dim> force;      ///< on the point, N
+    dealii::Tensor<2, dim> derivative; ///< df/dw, N/m
+    dealii::Tensor<1, dim> spring;     ///< at the end, m
     /** Gains in the step, J: of psi, of k_T xi^2 / 2; lost in sliding. */
     double stored = 0., spring_stored = 0., slip = 0.;
   };

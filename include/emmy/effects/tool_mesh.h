@@ -27,6 +27,7 @@ namespace emmy
     MeshShape(TriangleSurface surface, const double rounding);
     ~MeshShape() override;
 
+    /** To the nearest triangle, m; negative inside. */
     SurfaceDistance<3>
     distance(const dealii::Tensor<1, 3> &r) const override;
     /** That from the box around it. */

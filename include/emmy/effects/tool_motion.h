@@ -51,9 +51,12 @@ namespace emmy
   template <int dim>
   struct ToolMotionParameters
   {
+    /** m; in 3D the direction of the axis. */
     std::vector<double> reference_point, axis;
-    std::string         displacement, displacement_table, rotation = "0";
+    /** Formulas, a file, and a formula, of t. */
+    std::string displacement, displacement_table, rotation = "0";
 
+    /** Adds its entries to a section. */
     void
     declare(Section &section);
   };
@@ -89,6 +92,7 @@ namespace emmy
     double
     angle(const double time) const;
 
+    /** Whether it turns at any time. */
     bool
     is_turning() const
     {

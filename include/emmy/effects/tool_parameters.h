@@ -23,20 +23,23 @@ namespace emmy
     std::vector<Field>
     fields() const;
 
+    /** Whether its normal never jumps. */
     bool
     is_smooth() const
     {
       return friction == 0.;
     }
+    /** Whether it turns at any time. */
     bool
     is_turning() const;
+    /** Whether a force moves it. */
     bool
     is_pushed() const
     {
       return push.is_given();
     }
 
-    const std::string name;
+    const std::string name; ///< as in `Names`
 
   private:
     std::string               shape_name;
@@ -52,6 +55,7 @@ namespace emmy
   class ToolsParameters : public EffectParameters<dim>
   {
   public:
+    /** Declares the tools that `Names` lists. */
     explicit ToolsParameters(const std::string &section);
 
     void

@@ -36,12 +36,15 @@ namespace emmy
   template <int dim>
   struct ToolPushParameters
   {
-    std::vector<double> direction;
-    std::string         force;
-    double              mass = 0., initial_speed = 0.;
+    std::vector<double> direction; ///< of the force
+    std::string         force;     ///< formula of t, N
+    /** kg and m/s. */
+    double mass = 0., initial_speed = 0.;
 
+    /** Adds its entries to a section. */
     void
     declare(Section &section);
+    /** Whether a force moves the tool. */
     bool
     is_given() const
     {
@@ -100,6 +103,7 @@ namespace emmy
   class PushCoupling
   {
   public:
+    /** Particles of one body in one cell. */
     using Group = typename Stencils<dim>::Group;
 
     /** Borrows all. */

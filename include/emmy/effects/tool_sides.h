@@ -16,12 +16,15 @@ namespace emmy
   class ContactSideParameters : public Section
   {
   public:
+    /** Names of the sides of the grid with contact. */
     std::vector<std::string> sides;
-    double                   stiffness = 10.;
+    double                   stiffness = 10.; ///< times the body's
 
+    /** Declares the entries of contact with sides. */
     explicit ContactSideParameters(
       const std::string &section = "Boundary conditions");
 
+    /** Whether any side has contact. */
     bool
     are_present() const
     {

@@ -15,12 +15,13 @@ namespace emmy
   template <int dim>
   struct Tool
   {
+    /** No field. */
     static constexpr unsigned int none =
       std::numeric_limits<unsigned int>::max();
 
-    std::string                     name;
-    std::unique_ptr<ToolShape<dim>> shape;
-    ToolMotion<dim>                 motion;
+    std::string                     name;   ///< as in `Names`
+    std::unique_ptr<ToolShape<dim>> shape;  ///< where its surface is
+    ToolMotion<dim>                 motion; ///< how it is moved
     /** beta: of the penalty, to the P-wave modulus over the spacing. */
     double stiffness;
     double friction;         ///< mu
@@ -57,9 +58,11 @@ namespace emmy
     /** Numbers of the fields that the tools read. */
     struct Fields
     {
+      /** Where a particle's body, and its F, are among its numbers. */
       unsigned int body, deformation_gradient;
     };
 
+    /** All tools of a scene. */
     Tools(std::vector<Tool<dim>>            tools,
           const Fields                     &fields,
           std::vector<ParticleCorners<dim>> corners_of_body);

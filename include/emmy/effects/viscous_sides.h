@@ -10,11 +10,13 @@ namespace emmy
   class ViscousSidesParameters : public EffectParameters<dim>
   {
   public:
+    /** Declares the entries of a section. */
     explicit ViscousSidesParameters(const std::string &section);
 
     void
     add_to(Effects<dim> &effects, FieldLayout &layout) const override;
 
+    /** What `emmy --check` says of it. */
     static EffectCard
     card();
 
@@ -44,6 +46,7 @@ namespace emmy
     /** Speeds in the undeformed material of a body, m/s. */
     struct Waves
     {
+      /** rho c of P- and of S-waves, Pa s/m. */
       double pressure, shear;
     };
 

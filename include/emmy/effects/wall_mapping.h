@@ -32,6 +32,7 @@ namespace emmy
     static std::string
     name(const std::string &kind);
 
+    /** What `emmy --check` says of it. */
     static EffectCard
     card(const std::string &kind, const bool is_present);
 

@@ -38,9 +38,10 @@ namespace emmy
   class BackgroundGrid
   {
   public:
+    /** A cell of the window. */
     using Cell = typename dealii::Triangulation<dim>::active_cell_iterator;
 
-    static constexpr unsigned int nodes_per_cell = 1 << dim;
+    static constexpr unsigned int nodes_per_cell = 1 << dim; ///< corners
 
     /** A cell that holds points, and how many. */
     using Occupied = std::pair<CellKey<dim>, unsigned int>;
@@ -52,6 +53,7 @@ namespace emmy
       none
     };
 
+    /** The grid of a parameter file, with a window around nothing yet. */
     BackgroundGrid(const GridParameters<dim> &parameters,
                    const MPI_Comm             communicator,
                    const Cells                at_start = Cells::all);
@@ -62,15 +64,18 @@ namespace emmy
     {
       velocity_fields = std::move(chosen);
     }
+    /** Which bodies share a velocity. */
     const VelocityFields &
     fields() const
     {
       return velocity_fields;
     }
 
+    /** Of all ranks. */
     MPI_Comm
     communicator() const;
 
+    /** deal.II's, of the window. */
     const dealii::Triangulation<dim> &
     triangulation() const
     {
@@ -110,6 +115,7 @@ namespace emmy
       return part;
     }
 
+    /** From the unit cell, affine. */
     const dealii::Mapping<dim> &
     mapping() const
     {
@@ -119,6 +125,7 @@ namespace emmy
     /** Lower and upper corner, m. */
     const dealii::Point<dim> &
     lower_corner() const;
+    /** m. */
     const dealii::Point<dim> &
     upper_corner() const;
 

@@ -17,8 +17,10 @@ namespace emmy
   class BoundaryParameters : public Section
   {
   public:
+    /** Names of sides, and of parts. */
     std::vector<std::string> fixed, roller, held_parts;
 
+    /** Declares the entries of the section. */
     explicit BoundaryParameters(
       const std::string &section = "Boundary conditions");
   };
@@ -52,6 +54,7 @@ namespace emmy
     bool
     has_walls() const;
 
+    /** All, in the order of their names. */
     const std::vector<HeldPart<dim>> &
     held_parts() const
     {

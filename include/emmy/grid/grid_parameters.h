@@ -15,10 +15,12 @@ namespace emmy
   class GridParameters : public Section
   {
   public:
-    dealii::Point<dim>        lower_corner; // m
-    dealii::Point<dim>        upper_corner; // m; must be above lower_corner
+    dealii::Point<dim> lower_corner; ///< m
+    dealii::Point<dim> upper_corner; ///< m; must be above lower_corner
+    /** One number per direction. */
     std::vector<unsigned int> cells = std::vector<unsigned int>(dim, 0);
 
+    /** Declares the entries of the section. */
     explicit GridParameters(const std::string &section = "Grid");
 
     /** Throws ExcParameter for an empty grid or cells that do not fit. */

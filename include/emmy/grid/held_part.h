@@ -19,7 +19,7 @@ namespace emmy
   template <int dim>
   struct HeldPart
   {
-    std::string                                  name;
+    std::string                                  name;   ///< as in `Held parts`
     std::shared_ptr<dealii::FunctionParser<dim>> region; ///< positive inside
     std::bitset<dim>                             components; ///< that are held
     /** Of the components that are held, in t; null of others. m/s */
@@ -39,6 +39,7 @@ namespace emmy
   class HeldPartParameters : public Section
   {
   public:
+    /** Declares the entries of a section. */
     explicit HeldPartParameters(const std::string &section);
 
     /** Throws ExcParameter. */

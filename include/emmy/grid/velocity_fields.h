@@ -17,7 +17,7 @@ namespace emmy
   class VelocityFields
   {
   public:
-    using Id = dealii::types::global_dof_index;
+    using Id = dealii::types::global_dof_index; ///< of a node, in one field
 
     /** One, that of all bodies. */
     VelocityFields() = default;
@@ -29,11 +29,13 @@ namespace emmy
                          : 1 + *std::max_element(fields.begin(), fields.end()))
     {}
 
+    /** How many there are. */
     unsigned int
     size() const
     {
       return n;
     }
+    /** The field that a body has. */
     unsigned int
     of_body(const unsigned int body) const
     {
@@ -45,11 +47,13 @@ namespace emmy
     {
       return n * node + field;
     }
+    /** Without its field. */
     Id
     node(const Id id) const
     {
       return id / n;
     }
+    /** Of a node's number. */
     unsigned int
     field(const Id id) const
     {

@@ -24,10 +24,11 @@ namespace emmy
   class Window
   {
   public:
-    using Place = CellKey<dim>;
+    using Place = CellKey<dim>; ///< on the lattice of blocks
 
     /** Blocks of a window around bodies have at least 2^this cells. */
     static constexpr unsigned int least_level = 2;
+    /** Above it blocks get larger. */
     static constexpr unsigned int most_blocks = 2000;
 
     /** No cell at all. */

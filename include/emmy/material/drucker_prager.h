@@ -124,6 +124,7 @@ namespace emmy
   class DruckerPragerParameters : public MaterialParameters<dim>
   {
   public:
+    /** Declares the entries of a section. */
     explicit DruckerPragerParameters(const std::string &section);
 
     std::unique_ptr<Material<dim>>
@@ -134,6 +135,7 @@ namespace emmy
       return constants.are_nearly_incompressible();
     }
 
+    /** What `emmy --check` says of it. */
     static EffectCard
     card();
 

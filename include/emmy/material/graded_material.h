@@ -24,6 +24,7 @@ namespace emmy
   class GradedMaterial : public Material<dim>
   {
   public:
+    /** A factor over the place. */
     using Formula = std::unique_ptr<dealii::FunctionParser<dim>>;
 
     /** @param stiffness,strength null: 1 everywhere; not both */

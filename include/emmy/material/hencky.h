@@ -14,11 +14,11 @@ namespace emmy
    */
   struct ElasticConstants
   {
-    double density       = 0.;  // kg/m^3; 0 = not given
-    double young_modulus = 0.;  // Pa
-    double poisson_ratio = -2.; // below -1 = not given
-    double bulk_modulus  = 0.;  // Pa
-    double shear_modulus = 0.;  // Pa
+    double density       = 0.;  ///< kg/m^3; 0 = not given
+    double young_modulus = 0.;  ///< Pa
+    double poisson_ratio = -2.; ///< below -1 = not given
+    double bulk_modulus  = 0.;  ///< Pa
+    double shear_modulus = 0.;  ///< Pa
 
     /** Declare the entries in a material's section. */
     void
@@ -74,6 +74,7 @@ namespace emmy
   class HenckyParameters : public MaterialParameters<dim>
   {
   public:
+    /** Declares the entries of a section. */
     explicit HenckyParameters(const std::string &section);
 
     std::unique_ptr<Material<dim>>

@@ -22,10 +22,10 @@ namespace emmy
   struct MaterialBatch
   {
     template <typename T>
-    using PerPoint = std::array<T, max_batch_points>;
+    using PerPoint = std::array<T, max_batch_points>; ///< one value a point
 
-    unsigned int n_points     = 0;
-    bool         with_tangent = true;
+    unsigned int n_points     = 0;    ///< at most max_batch_points
+    bool         with_tangent = true; ///< whether Newton asks for the tangent
 
     // in and out
     /**
@@ -61,7 +61,7 @@ namespace emmy
     };
     /** Only if with_energy_change, for materials that give it. */
     bool with_energy_change = false;
-    Step step;
+    Step step; ///< see there
 
     // out
     /** Kirchhoff stress tau, Pa per unit reference volume. */
@@ -71,6 +71,9 @@ namespace emmy
     /**
      * Energy stored by hardening at t+dt, and dissipation of this step, J per
      * unit reference volume. Written and read only for materials with history.
+     */
+    /**
+     * J/m^3 of reference volume: stored by hardening; dissipated in the step.
      */
     PerPoint<double> hardening_energy, dissipation;
     /**

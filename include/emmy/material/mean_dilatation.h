@@ -12,6 +12,7 @@ namespace emmy
   template <int dim>
   struct CellPoint
   {
+    /** Components of a symmetric tensor. */
     static constexpr unsigned int m = n_in_plane<dim>;
 
     // in
@@ -86,12 +87,14 @@ namespace emmy
   class MeanDilatationStress
   {
   public:
+    /** Of which the mean is taken. */
     enum class Kind
     {
       conserving,
       at_rest
     };
 
+    /** Of one kind. */
     explicit MeanDilatationStress(const Kind kind);
 
     /**

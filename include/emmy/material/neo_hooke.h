@@ -47,6 +47,7 @@ namespace emmy
   class NeoHookeParameters : public MaterialParameters<dim>
   {
   public:
+    /** Declares the entries of a section. */
     explicit NeoHookeParameters(const std::string &section);
 
     std::unique_ptr<Material<dim>>

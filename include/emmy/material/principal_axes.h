@@ -134,7 +134,7 @@ namespace emmy
   template <int dim>
   struct PrincipalStep
   {
-    PrincipalStrain<dim>  trial;
+    PrincipalStrain<dim>  trial;  ///< before the return to the yield surface
     std::array<double, 3> stress; ///< after flow, Pa
     /** Plastic strain of the step, by which e is less than that of the trial.
      */

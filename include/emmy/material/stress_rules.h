@@ -13,24 +13,27 @@ namespace emmy
   struct StressBatch
   {
     template <typename T>
-    using PerPoint = std::array<T, max_batch_points>;
+    using PerPoint = std::array<T, max_batch_points>; ///< one value a point
 
     // in
-    unsigned int n_points     = 0;
-    bool         with_tangent = true;
+    unsigned int n_points     = 0;    ///< at most max_batch_points
+    bool         with_tangent = true; ///< whether Newton asks for the tangent
     /** Whether the material has history. */
     bool is_inelastic = false;
     /** Displacement gradient of the step, with respect to positions at t. */
     PerPoint<dealii::Tensor<2, dim>> displacement_gradient;
     /** State at t: b - I, tau (Pa), psi (elastic, J/m^3, reference volume). */
     PerPoint<MandelVector<dim>> left_cauchy_green_less_unit_old;
+    /** At the start of the step, Pa. */
     PerPoint<MandelVector<dim>> kirchhoff_stress_old;
-    PerPoint<double>            stored_energy_old;
+    /** At the start of the step, J/m^3. */
+    PerPoint<double> stored_energy_old;
     /** The rest of the state at t, only if is_inelastic: b^e - I, energy
      * stored by hardening (J/m^3). The history at t stands in
      * material.history. */
     PerPoint<MandelVector<dim>> elastic_left_cauchy_green_less_unit_old;
-    PerPoint<double>            hardening_energy_old;
+    /** At the start of the step, J/m^3. */
+    PerPoint<double> hardening_energy_old;
 
     // out
     /** State at t + dt: material.left_cauchy_green_less_unit (of b^e, which is

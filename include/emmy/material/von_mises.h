@@ -11,8 +11,8 @@ namespace emmy
    */
   struct YieldSurface
   {
-    double radius            = 0.; // Pa
-    double hardening_modulus = 0.; // H, uniaxial, Pa
+    double radius            = 0.; ///< Pa
+    double hardening_modulus = 0.; ///< H, uniaxial, Pa
   };
 
   /**
@@ -74,6 +74,7 @@ namespace emmy
   class VonMisesParameters : public MaterialParameters<dim>
   {
   public:
+    /** Declares the entries of a section. */
     explicit VonMisesParameters(const std::string &section);
 
     std::unique_ptr<Material<dim>>
@@ -84,6 +85,7 @@ namespace emmy
       return constants.are_nearly_incompressible();
     }
 
+    /** What `emmy --check` says of it. */
     static EffectCard
     card();
 

@@ -17,6 +17,7 @@ namespace emmy
     result[1][1] = T[0][0];
     return result;
   }
+  /** Of the third order: det(T) T^-T, also where T is singular. */
   template <class Number>
   dealii::Tensor<2, 3, Number>
   cofactor_of(const dealii::Tensor<2, 3, Number> &T)

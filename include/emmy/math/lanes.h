@@ -28,19 +28,24 @@ namespace emmy
    */
   template <int n>
   struct LanesOf;
+  /** Of 256 bits. */
   template <>
   struct LanesOf<4>
   {
+    /** The compiler's vector. */
     typedef double type __attribute__((vector_size(32)));
   };
+  /** Of 512 bits. */
   template <>
   struct LanesOf<8>
   {
+    /** The compiler's vector. */
     typedef double type __attribute__((vector_size(64)));
   };
 
-  constexpr unsigned int n_lanes = 8;
-  using Lanes                    = LanesOf<n_lanes>::type;
+  constexpr unsigned int n_lanes = 8; ///< points that are worked on together
+  /** One number of each of these points. */
+  using Lanes = LanesOf<n_lanes>::type;
 
   /** Nodes that stand side by side where numbers are by node. */
   template <int dim>

@@ -47,7 +47,7 @@ namespace emmy
                          spectral_decompositions(const MandelVector<dim>    *a,
                                                  const unsigned int          n,
                                                  SpectralDecomposition<dim> *result);
-  constexpr unsigned int max_spectral_batch = 32;
+  constexpr unsigned int max_spectral_batch = 32; ///< tensors in a batch
 
   /**
    * artanh(z)/z for z^2 up to 1e-3, by its series; the first dropped term is

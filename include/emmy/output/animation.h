@@ -20,6 +20,7 @@ namespace emmy
     /** @param label of the number, with its unit */
     Animation(const unsigned int dim, const std::string &label);
 
+    /** A frame of this rank's particles. Collective. */
     template <int dim>
     void
     add(const double                           time,
@@ -35,6 +36,7 @@ namespace emmy
     std::string
     json() const;
 
+    /** So far. */
     unsigned int
     n_frames() const
     {

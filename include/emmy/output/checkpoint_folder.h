@@ -12,9 +12,9 @@ namespace emmy
   /** A whole checkpoint, as this rank reads it. */
   struct ReadCheckpoint
   {
-    unsigned int step = 0;
-    std::string  path; ///< its folder; empty: there is none
-    std::string  head; ///< what rank 0 wrote; on all ranks
+    unsigned int step = 0; ///< after which it was written
+    std::string  path;     ///< its folder; empty: there is none
+    std::string  head;     ///< what rank 0 wrote; on all ranks
     /** What ranks wrote: those of rank r, r + n, ... on rank r of n. */
     std::vector<std::string> parts;
     /** Why newer ones are not used, one line each; on all ranks. */

@@ -28,10 +28,10 @@ namespace emmy
    */
   struct FieldDescription
   {
-    std::string  name;
-    unsigned int n_components = 1;
-    std::string  unit;        ///< such as "Pa"; empty: dimensionless
-    std::string  description; ///< one line
+    std::string  name;             ///< in the file
+    unsigned int n_components = 1; ///< 1, 3 or 9
+    std::string  unit;             ///< such as "Pa"; empty: dimensionless
+    std::string  description;      ///< one line
     /** A scalar to be written as 64-bit integer, not in single precision;
      * only for points. Exact up to 2^53, as it is passed as a double. */
     bool is_integer = false;
@@ -52,6 +52,7 @@ namespace emmy
   class DataFile : public dealii::DataOutInterface<patch_dim, dim>
   {
   public:
+    /** Of a cell. */
     static constexpr unsigned int n_vertices =
       dealii::GeometryInfo<patch_dim>::vertices_per_cell;
 

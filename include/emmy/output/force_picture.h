@@ -15,7 +15,7 @@ namespace emmy
   {
     std::string  name; ///< of script and picture, "forces_plate"
     std::string  tool; ///< how its columns of the ledger begin, "tool_plate_"
-    unsigned int dim = 2;
+    unsigned int dim = 2; ///< of the scene
 
     /** Write the complete script. @param title printed above, plain text */
     void

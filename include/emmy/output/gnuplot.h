@@ -13,9 +13,9 @@ namespace emmy::gnuplot
   /** Width, height and size of the letters of a picture, in pixels. */
   struct Canvas
   {
-    double width  = 2000.;
-    double height = 1250.;
-    double font   = 32.;
+    double width  = 2000.; ///< pixels
+    double height = 1250.; ///< pixels
+    double font   = 32.;   ///< points
   };
 
   /** How a run of gnuplot ended. */

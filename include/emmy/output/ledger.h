@@ -60,6 +60,7 @@ namespace emmy
     std::string
     flush() const;
 
+    /** A row. */
     void
     add(const StepReport &report);
 
@@ -67,9 +68,11 @@ namespace emmy
     const std::string &
     problem() const;
 
+    /** Names, in their order. */
     const std::vector<std::string> &
     columns() const;
 
+    /** So far, the first is that of the start. */
     const std::vector<Row> &
     rows() const;
 

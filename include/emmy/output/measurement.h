@@ -55,10 +55,10 @@ namespace emmy
   template <int dim>
   struct FilledBodies
   {
-    const std::vector<Body<dim>>                  &bodies;
-    const BackgroundGrid<dim>                     &grid;
-    const FieldLayout                             &layout;
-    const dealii::Particles::ParticleHandler<dim> &particles;
+    const std::vector<Body<dim>>                  &bodies;    ///< of the scene
+    const BackgroundGrid<dim>                     &grid;      ///< of the scene
+    const FieldLayout                             &layout;    ///< of the scene
+    const dealii::Particles::ParticleHandler<dim> &particles; ///< of this rank
   };
 
   /** Section `Measurements/NAME`. */
@@ -90,10 +90,11 @@ namespace emmy
     make_card(const std::string              &what,
               const std::vector<std::string> &suffixes) const;
 
+    /** No body is named. */
     static constexpr unsigned int all_bodies =
       dealii::numbers::invalid_unsigned_int;
 
-    std::string body;
+    std::string body; ///< empty: all bodies
 
   private:
     std::string type; // decides, before this is made, what is made

@@ -17,6 +17,7 @@ namespace emmy
    */
   struct Projection
   {
+    /** Directions of the paper in space. */
     static const dealii::Tensor<1, 3> to_the_right, upwards, to_the_eye;
   };
 
@@ -39,12 +40,16 @@ namespace emmy
     static PanelLayout
     best(const ParticlePicture &picture);
 
-    gnuplot::Canvas  canvas;
-    unsigned int     n_columns, n_rows;
-    double           panel_width, panel_height; ///< in 3D with the axes
-    double           pixels_per_metre;
-    dealii::Point<2> paper_lower, paper_upper; ///< corners of a panel, m
-    double           left, top, column_gap, row_gap, bar_width;
+    gnuplot::Canvas canvas; ///< pixels of the whole
+    /** Of panels. */
+    unsigned int n_columns, n_rows;
+    /** Pixels; in 3D with the axes. */
+    double panel_width, panel_height;
+    double pixels_per_metre; ///< of all panels
+    /** Corners of a panel, m. */
+    dealii::Point<2> paper_lower, paper_upper;
+    /** Margins and gaps, pixels. */
+    double left, top, column_gap, row_gap, bar_width;
 
   private:
     /** How far the figure is from one that fills a part of a page. */

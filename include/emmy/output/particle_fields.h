@@ -21,9 +21,10 @@ namespace emmy
   template <int dim>
   struct ParticleField
   {
+    /** One of deal.II's. */
     using Particle = dealii::Particles::ParticleAccessor<dim>;
 
-    FieldDescription description;
+    FieldDescription description; ///< name, unit and size
     /** Appends description.n_components numbers; a tensor by rows, 3x3. */
     std::function<void(const Particle &, std::vector<double> &)> append;
     /**
@@ -40,7 +41,8 @@ namespace emmy
   struct ParticleNumber
   {
     /** In words, with its unit, for gnuplot: as "strain energy (J/m^3)". */
-    std::string                                                          label;
+    std::string label;
+    /** Of one component. */
     std::function<double(const typename ParticleField<dim>::Particle &)> value;
   };
 
@@ -65,6 +67,7 @@ namespace emmy
     /** @param layout of the scene, complete */
     explicit ParticleFields(const FieldLayout &layout);
 
+    /** As in `Particle fields`. */
     std::vector<std::string>
     names() const;
 

@@ -31,7 +31,7 @@ namespace emmy
       std::string surfaces;
     };
 
-    unsigned int dim = 2;
+    unsigned int dim = 2;     ///< of the scene
     std::string  title;       ///< plain text
     std::string  value_label; ///< gnuplot's enhanced text, with the unit
 
@@ -40,14 +40,14 @@ namespace emmy
      * cells. The third component is not used in 2D.
      */
     dealii::Point<3>     lower, upper;
-    dealii::Tensor<1, 3> line_distance;
+    dealii::Tensor<1, 3> line_distance; ///< m
 
     double spacing  = 1.; ///< of neighbouring particles, m
     double smallest = 0.; ///< of all values
-    double largest  = 1.;
+    double largest  = 1.; ///< of the colours' field
     /** The values of the first and the last colour. */
     double             first_colour = 0., last_colour = 1.;
-    std::vector<Panel> panels;
+    std::vector<Panel> panels; ///< one a time
 
     /**
      * Let colours range from the 1st to the 99th percentile of the values in

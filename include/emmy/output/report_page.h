@@ -12,9 +12,10 @@ namespace emmy
   /** What a report says beyond the files of its run. */
   struct Report
   {
+    /** Words of the head. */
     std::string              title, command;
     std::vector<std::string> measurements; ///< names; their columns are NAME_*
-    const Animation         *film = nullptr;
+    const Animation         *film = nullptr; ///< null: none
   };
 
   /**

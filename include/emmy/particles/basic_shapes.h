@@ -24,6 +24,7 @@ namespace emmy
   std::unique_ptr<Shape<dim>>
   make_box(const dealii::Point<dim> &lower, const dealii::Point<dim> &upper);
 
+  /** In plane strain a disc. */
   template <int dim>
   std::unique_ptr<Shape<dim>>
   make_ball(const dealii::Point<dim> &center, const double radius);

@@ -22,14 +22,16 @@ namespace emmy
   class BodyParameters : public Section
   {
   public:
-    std::string              material;
-    unsigned int             points_per_direction = 0;
-    std::string              particle_layout      = "body";
-    std::string              initial_velocity; // m/s, components separated by ;
-    std::vector<double>      angular_velocity; // rad/s; empty: none
-    std::vector<double>      center_of_rotation; // m; empty: not given
-    std::vector<std::string> cut_by;             // sides of the grid
-    InitialStressParameters  initial_stress;
+    std::string  material;                 ///< its name
+    unsigned int points_per_direction = 0; ///< in a cell
+    /** `body` or `cells`. */
+    std::string         particle_layout = "body";
+    std::string         initial_velocity;   ///< m/s, components separated by ;
+    std::vector<double> angular_velocity;   ///< rad/s; empty: none
+    std::vector<double> center_of_rotation; ///< m; empty: not given
+    std::vector<std::string> cut_by;        ///< sides of the grid
+    /** None, level ground or formulas. */
+    InitialStressParameters initial_stress;
 
     /** @param shape name of a shape in the library, read beforehand. */
     BodyParameters(const std::string &section, const std::string &shape);
@@ -51,18 +53,18 @@ namespace emmy
   template <int dim>
   struct Body
   {
-    std::string  name;
-    unsigned int material; ///< index in the scene's materials
-    double       density;  ///< kg/m^3
-    unsigned int points_per_direction;
+    std::string  name;                 ///< as in `Bodies/Names`
+    unsigned int material;             ///< index in the scene's materials
+    double       density;              ///< kg/m^3
+    unsigned int points_per_direction; ///< in a cell
     bool         divides_box = true; ///< of a box; false: the cells are divided
-    std::unique_ptr<Shape<dim>> shape;
+    std::unique_ptr<Shape<dim>> shape; ///< what it fills at the start
     /** Sides of the grid that the shape may reach beyond. */
     std::bitset<2 * dim>                         cut_by;
     std::unique_ptr<dealii::FunctionParser<dim>> initial_velocity; ///< m/s
     /** On top of it: rad/s, in plane strain (0, 0, omega), and about where. */
     dealii::Tensor<1, 3> angular_velocity   = {};
-    dealii::Point<dim>   center_of_rotation = {};
+    dealii::Point<dim>   center_of_rotation = {}; ///< A point of the axis, m
     /** Null: none. */
     std::unique_ptr<InitialStress<dim>> initial_stress = nullptr;
 

@@ -12,11 +12,12 @@ namespace emmy
   template <int dim>
   struct BodyMeasures
   {
-    double             volume = 0.;  ///< m^3, m^2 in plane strain
-    double             mass   = 0.;  ///< kg
-    dealii::Point<dim> center;       ///< of mass, m
-    dealii::Point<dim> lower, upper; ///< of the particles' boxes, m
-    unsigned int       pieces = 0;   ///< see count_pieces()
+    double             volume = 0.; ///< m^3, m^2 in plane strain
+    double             mass   = 0.; ///< kg
+    dealii::Point<dim> center;      ///< of mass, m
+    /** Corners of the particles' boxes, m. */
+    dealii::Point<dim> lower, upper;
+    unsigned int       pieces = 0; ///< see count_pieces()
     /** Of a shape that does not know it: from samples, see sampled_volume(). */
     double shape_volume = 0.;
   };

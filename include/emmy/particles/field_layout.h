@@ -16,6 +16,7 @@ namespace emmy
   class FieldLayout
   {
   public:
+    /** With the fields that every particle has. */
     explicit FieldLayout(const unsigned int dim);
 
     /** Book the fields that are asked for from now on to an effect. */
@@ -33,9 +34,11 @@ namespace emmy
     unsigned int
     operator[](const std::string &name) const;
 
+    /** Whether somebody asked for it. */
     bool
     has(const std::string &name) const;
 
+    /** All, in the order of their numbers. */
     const std::vector<Field> &
     fields() const;
 

@@ -37,6 +37,7 @@ namespace emmy
     /** @param layout asked for the half-lengths of each particle */
     explicit GimpShapeFunctions(FieldLayout &layout);
 
+    /** What `emmy --check` says of it. */
     static EffectCard
     card();
 
@@ -48,6 +49,7 @@ namespace emmy
     Stencils<dim>
     evaluate(const Places<dim>         &places,
              const BackgroundGrid<dim> &grid) const override;
+    /** Weights and their derivatives with respect to place and half-lengths. */
     void
     differentiate(const Places<dim>                   &places,
                   const std::size_t                    i,

@@ -21,7 +21,8 @@ namespace emmy
   /** A shape function in one direction and its derivative with respect to x. */
   struct Weight
   {
-    double value, slope; ///< 1, 1/m
+    /** 1, and 1/m. */
+    double value, slope;
   };
 
   /**
@@ -84,9 +85,11 @@ namespace emmy
   /** Cells of a row that a box overlaps, counted from the grid's lower side. */
   struct Overlap
   {
+    /** Nodes of the grid, along one direction. */
     unsigned int first, last;
-    bool         beyond_lower, beyond_upper; ///< a hair further
-    double       tails; ///< least share of an outermost node, about; or 1
+    /** Whether the box ends a hair further. */
+    bool   beyond_lower, beyond_upper;
+    double tails; ///< least share of an outermost node, about; or 1
   };
 
   /**
@@ -141,8 +144,9 @@ namespace emmy
   /** The half-length of a box in one direction as it is used. */
   struct UsedLength
   {
-    double value;      ///< m
-    double by_x, by_l; ///< how it changes with position and half-length
+    double value; ///< m
+    /** Changes with position and half-length, 1/m. */
+    double by_x, by_l;
   };
 
   /**

@@ -40,6 +40,7 @@ namespace emmy
   class InitialStress
   {
   public:
+    /** Of level ground. */
     explicit InitialStress(const LevelGround &ground);
 
     /** @param components xx; yy; zz; xy (; xz; yz), Pa */
@@ -59,7 +60,7 @@ namespace emmy
   class InitialStressParameters
   {
   public:
-    std::string kind = "none";
+    std::string kind = "none"; ///< `none`, `level ground` or `formulas`
 
     /** Declare the entries. */
     void

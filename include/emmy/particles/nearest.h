@@ -20,7 +20,8 @@ namespace emmy
   class NearestParticles
   {
   public:
-    using Positions = std::vector<dealii::Point<dim>>;
+    using Positions = std::vector<dealii::Point<dim>>; ///< m
+    /** Whether a particle counts. */
     using Filter =
       std::function<bool(const dealii::Particles::ParticleAccessor<dim> &)>;
 

@@ -28,6 +28,7 @@ namespace emmy
   class ParticleLayout
   {
   public:
+    /** Of a body in the cells of a grid. */
     ParticleLayout(const Body<dim> &body, const BackgroundGrid<dim> &grid);
 
     /** Whether the boxes divide the body and not the cells. */

@@ -26,7 +26,7 @@ namespace emmy
    * vz). Lines that begin with # do not count.
    *
    * The shape contains the boxes of its particles, squares or cubes of the
-   * mean volume. Throws ExcParameter for @p section, entry <File>, with the
+   * mean volume. Throws ExcParameter for @p section, entry File, with the
    * line that is wrong.
    */
   template <int dim>

@@ -14,6 +14,7 @@ namespace emmy
    */
   struct Factor
   {
+    /** Of the weight and its slope with position x and half-length l. */
     double value, slope, value_by_x, value_by_l, slope_by_x, slope_by_l;
   };
 
@@ -28,9 +29,10 @@ namespace emmy
   template <int dim>
   struct PlaceDerivatives
   {
+    /** Coordinates of a place; weight and gradient. */
     static constexpr unsigned int n = 2 * dim, n_weights = dim + 1;
 
-    unsigned int n_nodes  = 0;
+    unsigned int n_nodes  = 0; ///< of the cell and its neighbours
     unsigned int n_padded = 0; ///< numbers in a row: full lanes of nodes
     /**
      * Rows over the nodes, behind them zeros: S,k, 1/m, with l = 0 and
@@ -43,16 +45,19 @@ namespace emmy
      */
     std::array<bool, n> depends;
 
+    /** Derivatives of weight l of node k. */
     const double *
     row(const unsigned int k, const unsigned int l) const
     {
       return rows.data() + (k * n_weights + l) * n_padded;
     }
+    /** Its weight. */
     const double *
     value(const unsigned int k) const
     {
       return row(k, 0);
     }
+    /** Component d of its gradient, 1/m. */
     const double *
     gradient(const unsigned int k, const unsigned int d) const
     {

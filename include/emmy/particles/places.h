@@ -18,13 +18,17 @@ namespace emmy
   template <int dim>
   struct Places
   {
+    /** deal.II's. */
     std::vector<dealii::Particles::ParticleIterator<dim>> particles;
-    std::vector<unsigned int>                             bodies;
-    std::vector<CellKey<dim>>                             cells;
-    std::vector<dealii::Point<dim>>                       positions; ///< m
+    /** By particle. */
+    std::vector<unsigned int> bodies;
+    /** By particle, on the lattice. */
+    std::vector<CellKey<dim>>       cells;
+    std::vector<dealii::Point<dim>> positions; ///< m
     /** Of the boxes of GIMP, m; empty where particles are points. */
     std::vector<dealii::Tensor<1, dim>> half_lengths;
 
+    /** Particles. */
     std::size_t
     size() const
     {

@@ -20,18 +20,21 @@ namespace emmy
   public:
     PointArrays() = default;
 
+    /** Of zeros. */
     PointArrays(const std::size_t n_points, const unsigned int n_components)
       : n(n_points)
       , positions(dim * n_points)
       , values(n_components * n_points)
     {}
 
+    /** Of this rank. */
     std::size_t
     n_points() const
     {
       return n;
     }
 
+    /** Numbers of a particle. */
     unsigned int
     n_components() const
     {
@@ -44,6 +47,7 @@ namespace emmy
     {
       return positions.data() + d * n;
     }
+    /** Coordinate d of all particles, m. */
     const double *
     position(const unsigned int d) const
     {
@@ -56,12 +60,14 @@ namespace emmy
     {
       return values.data() + c * n;
     }
+    /** Number c of all particles. */
     const double *
     component(const unsigned int c) const
     {
       return values.data() + c * n;
     }
 
+    /** The numbers of particle p. */
     dealii::Point<dim>
     point(const std::size_t p) const
     {
@@ -82,6 +88,7 @@ namespace emmy
       return result;
     }
 
+    /** Components from the first on. */
     template <int N>
     void
     set(const unsigned int          first,

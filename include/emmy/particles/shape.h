@@ -20,6 +20,7 @@ namespace emmy
   public:
     virtual ~Shape() = default;
 
+    /** Whether a point, m, is in it or on its surface. */
     virtual bool
     contains(const dealii::Point<dim> &position) const = 0;
 

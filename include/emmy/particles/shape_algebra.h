@@ -9,7 +9,7 @@
 namespace emmy
 {
   template <int dim>
-  using Shapes = std::vector<std::unique_ptr<Shape<dim>>>;
+  using Shapes = std::vector<std::unique_ptr<Shape<dim>>>; ///< owned
 
   /** What lies in any of them. At least one. */
   template <int dim>

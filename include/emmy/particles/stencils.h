@@ -23,14 +23,16 @@ namespace emmy
   template <int dim>
   struct ActiveCell
   {
-    typename BackgroundGrid<dim>::Cell cell;
-    unsigned int                       field;
+    typename BackgroundGrid<dim>::Cell cell;  ///< of deal.II's grid
+    unsigned int                       field; ///< the velocity field
 
+    /** By place, then by field. */
     bool
     operator<(const ActiveCell &other) const
     {
       return cell != other.cell ? cell < other.cell : field < other.field;
     }
+    /** Same cell and field. */
     bool
     operator==(const ActiveCell &other) const
     {
@@ -48,15 +50,17 @@ namespace emmy
   template <int dim>
   struct Stencils
   {
+    /** deal.II's. */
     using ParticleIterator = dealii::Particles::ParticleIterator<dim>;
 
+    /** Particles of one body in one cell. */
     struct Group
     {
       std::size_t  first_point; ///< in the order of the points
-      unsigned int n_points;
-      unsigned int body;
-      std::size_t  first_node; ///< in node_ids
-      unsigned int n_nodes;
+      unsigned int n_points;    ///< of this group
+      unsigned int body;        ///< of all of them
+      std::size_t  first_node;  ///< in node_ids
+      unsigned int n_nodes;     ///< that they reach
       std::size_t  first_value; ///< in values; dim times it in gradients
       /** Nodes per direction of a box of cells; x fastest. */
       std::array<unsigned int, dim> n_along;
@@ -66,7 +70,7 @@ namespace emmy
       std::uint64_t left_out = 0;
     };
 
-    std::vector<Group> groups;
+    std::vector<Group> groups; ///< cell by cell
 
     /** Ids of the nodes of all groups, one group after the other. */
     std::vector<dealii::types::global_dof_index> node_ids;
@@ -77,7 +81,7 @@ namespace emmy
 
     /** The particle behind each point, and its index among the places. */
     std::vector<ParticleIterator> particles;
-    std::vector<std::size_t>      order;
+    std::vector<std::size_t>      order; ///< of particles: place in the groups
 
     /**
      * Whether the grid is undeformed in the middle of the step, at t + dt/2,
@@ -91,11 +95,13 @@ namespace emmy
      */
     std::vector<ActiveCell<dim>> active_cells;
 
+    /** Weights S of a node, by particle. */
     const double *
     value(const Group &group, const unsigned int node) const
     {
       return values.data() + group.first_value + node * group.n_points;
     }
+    /** Component of the gradients of a node, by particle, 1/m. */
     const double *
     gradient(const Group       &group,
              const unsigned int node,
@@ -248,6 +254,7 @@ namespace emmy
     /** @param body_component where the particles keep the index of the body */
     explicit LinearShapeFunctions(const unsigned int body_component);
 
+    /** What `emmy --check` says of it. */
     static EffectCard
     card();
 

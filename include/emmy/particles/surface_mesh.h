@@ -13,7 +13,7 @@ namespace emmy
   struct TriangleSurface
   {
     std::vector<dealii::Point<3>>            corners; ///< m
-    std::vector<std::array<unsigned int, 3>> faces;
+    std::vector<std::array<unsigned int, 3>> faces;   ///< numbers of corners
   };
 
   /**

@@ -14,7 +14,7 @@ namespace emmy
   /** Sums over all particles of all ranks. */
   struct Totals
   {
-    std::uint64_t        particles      = 0;
+    std::uint64_t        particles      = 0;  ///< over all ranks
     double               mass           = 0.; ///< kg
     double               kinetic_energy = 0.; ///< J
     dealii::Tensor<1, 3> linear_momentum;     ///< kg m/s

@@ -9,9 +9,9 @@ namespace emmy
   class CheckpointParameters : public Section
   {
   public:
-    unsigned int every_steps   = 0;  // 0: not by steps
-    double       every_minutes = 0.; // of the clock; 0: not by time
-    unsigned int keep          = 2;
+    unsigned int every_steps   = 0;  ///< 0: not by steps
+    double       every_minutes = 0.; ///< of the clock; 0: not by time
+    unsigned int keep          = 2;  ///< how many stay
 
     CheckpointParameters();
 

@@ -12,18 +12,23 @@ namespace emmy
   class OutputParameters : public Section
   {
   public:
-    std::string         directory      = "results";
-    bool                overwrite      = false;
-    unsigned int        frames         = 20;
-    bool                particle_files = true, grid_files = true;
+    std::string directory = "results"; ///< where results go
+    /** Whether results that are there may go. */
+    bool overwrite = false;
+    /** Of pictures and files, over the run. */
+    unsigned int frames = 20;
+    /** Whether VTU files are written. */
+    bool particle_files = true, grid_files = true;
+    /** Whether they are drawn. */
     bool                pictures = true, report = true;
-    std::vector<double> picture_times; // s; empty: chosen by the run
+    std::vector<double> picture_times; ///< s; empty: chosen by the run
     /** Of ParticleFields: what particle files hold, and what colours mean. */
     std::vector<std::string> particle_fields = {"carried",
                                                 "cauchy_stress",
                                                 "pressure",
                                                 "von_mises_stress"};
-    std::string              picture_field   = "strain_energy_density";
+    /** By which pictures are coloured. */
+    std::string picture_field = "strain_energy_density";
 
     OutputParameters();
 

@@ -14,7 +14,7 @@ namespace emmy
   /** Counts of a run that stand in no other table. */
   struct RunCounts
   {
-    unsigned int steps        = 0;
+    unsigned int steps        = 0; ///< that were made
     unsigned int halvings     = 0; ///< how often a step was tried again
     unsigned int damped       = 0; ///< steps that needed a damped Newton matrix
     unsigned int rebalancings = 0; ///< how often cells went to other ranks

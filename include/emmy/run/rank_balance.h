@@ -17,7 +17,7 @@ namespace emmy
   class RankParameters : public Section
   {
   public:
-    double rebalance_above = 1.2; // 0: before each step
+    double rebalance_above = 1.2; ///< 0: before each step
 
     RankParameters();
   };

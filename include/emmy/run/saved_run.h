@@ -16,9 +16,10 @@ namespace emmy
   /** What a checkpoint says before its scene is known. */
   struct SavedRun
   {
-    std::string  directory;  ///< of the results
-    std::string  version;    ///< of the emmy that wrote it
-    std::string  parameters; ///< all of them, as a parameter file
+    std::string directory;  ///< of the results
+    std::string version;    ///< of the emmy that wrote it
+    std::string parameters; ///< all of them, as a parameter file
+    /** Of the run that was saved. */
     unsigned int dimension = 0, step = 0, n_ranks = 0;
     double       time       = 0.;    ///< s
     bool         is_failure = false; ///< the step after it could not be made
@@ -80,6 +81,7 @@ namespace emmy
   template <int dim>
   Parcel<dim>
   particles_of(const SavedRun &saved);
+  /** At the time of the checkpoint, J. */
   template <int dim>
   std::map<std::string, double>
   stored_energies(const SavedRun &saved);

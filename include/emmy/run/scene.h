@@ -52,28 +52,39 @@ namespace emmy
              const SceneCard  &card,
              const bool        with_absent) const;
 
-    Phases                                      phases;
-    BackgroundGrid<dim>                         grid;
-    BoundaryConditions<dim>                     boundary_conditions;
+    /** Where the time goes. */
+    Phases phases;
+    /** Where steps are solved. */
+    BackgroundGrid<dim> grid;
+    /** Sides and held parts. */
+    BoundaryConditions<dim> boundary_conditions;
+    /** By name of the parameter file. */
     std::vector<std::unique_ptr<Material<dim>>> materials;
-    std::vector<Body<dim>>                      bodies;
+    /** In the order of their names. */
+    std::vector<Body<dim>> bodies;
     /** Borrowed from materials, one per body. */
     std::vector<const Material<dim> *> material_of_body;
-    FieldLayout                        layout;
+    FieldLayout                        layout; ///< what particles carry
     /** Of explicit steps; null with implicit ones. */
     std::unique_ptr<ExplicitForce<dim>>  explicit_force;
-    Balance<dim>                         balance;
-    std::unique_ptr<ShapeFunctions<dim>> shape_functions;
-    std::unique_ptr<DomainUpdate<dim>>   domain_update; ///< GIMP only
+    Balance<dim>                         balance;         ///< all forces
+    std::unique_ptr<ShapeFunctions<dim>> shape_functions; ///< gIMP or linear
+    std::unique_ptr<DomainUpdate<dim>>   domain_update;   ///< GIMP only
     /** Where a step looks for its middle first; null: it has none. */
-    std::unique_ptr<MiddlePlaces<dim>>             middle;
-    PointMapping                                   mapping;
-    std::unique_ptr<StepRule<dim>>                 step_rule;
-    std::unique_ptr<const TravelLimit<dim>>        travel_limit; ///< null: none
-    RunState<dim>                                  state;
-    dealii::Particles::ParticleHandler<dim>       &particles = state.particles;
-    std::unique_ptr<TimeIntegrator<dim>>           stepper;
-    RankBalance<dim>                               rank_balance;
+    std::unique_ptr<MiddlePlaces<dim>> middle;
+    /** From particles to grid. */
+    PointMapping mapping;
+    /** How large steps are. */
+    std::unique_ptr<StepRule<dim>>          step_rule;
+    std::unique_ptr<const TravelLimit<dim>> travel_limit; ///< null: none
+    /** Particles, and what else a step remembers. */
+    RunState<dim> state;
+    /** Those of the state. */
+    dealii::Particles::ParticleHandler<dim> &particles = state.particles;
+    std::unique_ptr<TimeIntegrator<dim>>     stepper; ///< makes steps
+    /** Who has which cells. */
+    RankBalance<dim> rank_balance;
+    /** What more is asked for. */
     std::vector<std::unique_ptr<Measurement<dim>>> measurements;
     std::vector<ParticleField<dim>> written_fields; ///< in particle files
     ParticleNumber<dim>             drawn_number;   ///< in pictures

@@ -10,7 +10,8 @@ namespace emmy
   /**
    * What `emmy --check` says of a scene beyond its card: the shortest waves
    * that steps and grid resolve; numbers that look as if they were not in SI
-   * units; bodies whose boxes overlap; particles on faces of cells;
+   * units; how many nodes starve, and where; bodies whose boxes overlap;
+   * particles on faces of cells;
    * and what would make the run cheaper. Collective. Cost: a loop over the
    * particles and the other bodies.
    */

@@ -14,10 +14,10 @@ namespace emmy
   /** An effect of the scene card, with what was counted. */
   struct CountedEffect
   {
-    EffectCard card;
+    EffectCard card; ///< what the effect says of itself
     /** Fields that it adds to each particle, and how many numbers they are. */
     std::vector<std::string> fields;
-    unsigned int             n_numbers = 0;
+    unsigned int             n_numbers = 0; ///< of a particle
     /**
      * How many entries more a matrix has with it than without it, all else
      * being the same. None: it cannot be built, as the file does not give what
@@ -29,13 +29,13 @@ namespace emmy
   /** What a scene is made of and what each part costs; same on all ranks. */
   struct SceneCard
   {
-    std::vector<CountedEffect> effects; ///< those present first
-    std::vector<std::string>   common_fields;
+    std::vector<CountedEffect> effects;       ///< those present first
+    std::vector<std::string>   common_fields; ///< that every particle carries
     unsigned int  common_bytes = 0; ///< of a particle without any effect
-    std::uint64_t n_points     = 0;
+    std::uint64_t n_points     = 0; ///< over all ranks
     std::uint64_t point_bytes  = 0; ///< of the points of a step, all ranks
     std::int64_t  nonzeros     = 0; ///< of each matrix
-    unsigned int  n_matrices   = 0;
+    unsigned int  n_matrices   = 0; ///< at the same time
 
     /** Of a particle. */
     unsigned int

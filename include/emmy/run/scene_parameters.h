@@ -31,8 +31,8 @@ namespace emmy
   class GeneralParameters : public Section
   {
   public:
-    unsigned int dimension = 0;
-    std::string  title;
+    unsigned int dimension = 0; ///< 2 or 3
+    std::string  title;         ///< for pictures and pages
 
     GeneralParameters();
   };
@@ -41,8 +41,9 @@ namespace emmy
   class NameList : public Section
   {
   public:
-    std::vector<std::string> names;
+    std::vector<std::string> names; ///< in their order
 
+    /** Declares the entry `Names` of a section. */
     NameList(const std::string &path, const std::string &documentation);
   };
 
@@ -50,18 +51,22 @@ namespace emmy
   class MethodParameters : public Section
   {
   public:
-    std::string shape_functions    = "GIMP";
-    std::string domain_update      = "stretch";
-    std::string starved_nodes      = "follow";
-    double      starved_threshold  = 0.; // 0: by the shape functions
-    std::string mapping            = "FLIP";
-    double      flip_fraction      = -1.; // -1: not given
-    double      lumping            = 0.;
-    std::string stress_rule        = "conserving";
-    std::string locking_treatment  = "automatic";
+    std::string shape_functions = "GIMP"; ///< `GIMP` or `linear`
+    /** How boxes of GIMP follow: see transfer/domain_update. */
+    std::string domain_update     = "stretch";
+    std::string starved_nodes     = "follow"; ///< `follow` or `free`
+    double      starved_threshold = 0.;       ///< 0: by the shape functions
+    std::string mapping           = "FLIP";   ///< `FLIP`, `PIC` or a blend
+    double      flip_fraction     = -1.;      ///< -1: not given
+    double      lumping           = 0.;       ///< of the mass, 0 to 1
+    /** See material/stress_rules. */
+    std::string stress_rule = "conserving";
+    /** `none`, `cell` or `automatic`. */
+    std::string locking_treatment = "automatic";
+    /** See effects/wall_mapping. */
     std::string wall_mapping       = "constrained";
-    std::string geometry           = "middle";
-    double      geometry_tolerance = 1e-8; // cells
+    std::string geometry           = "middle"; ///< `start` or `middle`
+    double      geometry_tolerance = 1e-8;     ///< cells
     /** What effects want at least where <Starved threshold> is not given. */
     double least_threshold = 0.;
 
@@ -114,30 +119,51 @@ namespace emmy
     } cleared;
 
   public:
-    GeneralParameters                                     general;
-    GridParameters<dim>                                   grid;
-    NameList                                              material_names;
+    /** Dimension and title. */
+    GeneralParameters   general;
+    GridParameters<dim> grid; ///< the grid
+    /** Of materials. */
+    NameList material_names;
+    /** In the order of their names. */
     std::vector<std::unique_ptr<MaterialParameters<dim>>> materials;
-    NameList                                              body_names;
-    std::vector<std::unique_ptr<BodyParameters<dim>>>     bodies;
-    BoundaryParameters                                    boundary_conditions;
-    ContactSideParameters                                 contact_sides;
+    /** Of bodies. */
+    NameList body_names;
+    /** In the order of their names. */
+    std::vector<std::unique_ptr<BodyParameters<dim>>> bodies;
+    /** Fixed and roller sides. */
+    BoundaryParameters boundary_conditions;
+    /** Sides with contact. */
+    ContactSideParameters contact_sides;
+    /** In the order of their names. */
     std::vector<std::unique_ptr<HeldPartParameters<dim>>> held_parts;
-    ReactionParameters                                    reactions;
-    MovingWallParameters                                  moving_walls;
-    NameList                                              effect_names;
+    /** Whether they are asked for. */
+    ReactionParameters reactions;
+    /** Velocities of sides. */
+    MovingWallParameters moving_walls;
+    /** Those that act. */
+    NameList effect_names;
     /** By effect name: of all effects there are, named or not. */
     std::map<std::string, std::unique_ptr<EffectParameters<dim>>> effects;
-    MethodParameters                                              method;
-    TimeParameters                                                time;
-    SolverParameters                                              solver;
-    DiagnosisParameters                                           diagnosis;
-    NameList                                                 measurement_names;
+    /** Of the step. */
+    MethodParameters method;
+    /** Steps. */
+    TimeParameters time;
+    /** Newton, and linear systems. */
+    SolverParameters solver;
+    /** Of small cuts. */
+    DiagnosisParameters diagnosis;
+    /** Of measurements. */
+    NameList measurement_names;
+    /** In the order of their names. */
     std::vector<std::unique_ptr<MeasurementParameters<dim>>> measurements;
-    OutputParameters                                         output;
-    CheckpointParameters                                     checkpoint;
-    RankParameters                                           ranks;
-    StartParameters                                          start;
+    /** Files and pictures. */
+    OutputParameters output;
+    /** When they are written. */
+    CheckpointParameters checkpoint;
+    /** When cells are cut anew. */
+    RankParameters ranks;
+    /** Another run's results. */
+    StartParameters start;
     /** Why starved nodes are free although the file does not say so; or empty.
      */
     std::string why_free;

@@ -17,8 +17,8 @@ namespace emmy
   class StartParameters : public Section
   {
   public:
-    std::string  from;     // results of a run; empty: bodies are filled
-    unsigned int step = 0; // 0: the last
+    std::string  from;     ///< results of a run; empty: bodies are filled
+    unsigned int step = 0; ///< 0: the last
 
     StartParameters();
 

@@ -37,9 +37,11 @@ namespace emmy
     BlockIlu();
     ~BlockIlu();
 
+    /** Factorise. */
     void
     make(const Matrix &matrix);
 
+    /** z = P^-1 r. */
     void
     vmult(Vector &z, const Vector &r) const;
 

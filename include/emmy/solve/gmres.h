@@ -43,6 +43,7 @@ namespace emmy
           const double       goal,
           const unsigned int most);
 
+    /** Of the last solve. */
     unsigned int
     iterations() const
     {

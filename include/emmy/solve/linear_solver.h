@@ -15,6 +15,7 @@ namespace emmy
   /** What an entry of a parameter file may say, and what it stands for. */
   struct Choice
   {
+    /** As in parameter files, and for `emmy --list`. */
     std::string name, description;
   };
 
@@ -30,12 +31,16 @@ namespace emmy
   class SolverParameters : public Section
   {
   public:
-    std::string  linear_solver      = "automatic";
-    std::string  preconditioner     = "ILU";
-    double       linear_tolerance   = 1e-4;
+    /** Its name; automatic: by size. */
+    std::string linear_solver  = "automatic";
+    std::string preconditioner = "ILU"; ///< its name
+    /** Of the first Krylov solve of a step, to its right-hand side. */
+    double linear_tolerance = 1e-4;
+    /** Of sum |r||du|, to its first value. */
     double       newton_tolerance   = 1e-11;
-    unsigned int maximum_iterations = 100;
+    unsigned int maximum_iterations = 100; ///< of Newton, a step
 
+    /** Declares the entries of the section. */
     explicit SolverParameters(const std::string &path = "Solver");
 
     /** Throws ExcParameter. */
@@ -46,9 +51,9 @@ namespace emmy
   /** How a linear solve went; the same on all ranks. */
   struct LinearResult
   {
-    bool         is_solved  = true;
-    unsigned int iterations = 0; ///< of a Krylov method
-    std::string  problem;        ///< in words, if not solved
+    bool         is_solved  = true; ///< to its tolerance
+    unsigned int iterations = 0;    ///< of a Krylov method
+    std::string  problem;           ///< in words, if not solved
   };
 
   /** What a solver's choices depend on, from one system to the next. */

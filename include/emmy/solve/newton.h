@@ -13,9 +13,9 @@ namespace emmy
   /** How Newton ended. */
   struct NewtonResult
   {
-    bool         is_converged      = false;
-    unsigned int iterations        = 0; ///< of both tries
-    unsigned int linear_iterations = 0;
+    bool         is_converged      = false; ///< to its tolerance
+    unsigned int iterations        = 0;     ///< of both tries
+    unsigned int linear_iterations = 0;     ///< over all iterations
     /** sum |r||du| of each iteration (Pretti et al. 2023, sec. 3.4). */
     std::vector<double> work_history;
     /** |r| before the first and after each iteration that was kept. */
@@ -61,6 +61,7 @@ namespace emmy
   class Newton
   {
   public:
+    /** With a solver for its linear systems. */
     Newton(const SolverParameters &parameters,
            LinearSolver           &linear_solver,
            Phases                 &phases);

@@ -85,6 +85,7 @@ namespace emmy
     check_step(const double       time,
                const double       time_step,
                const std::string &where) const;
+    /** Effects take note that a step is accepted. */
     void
     end_step(const double time, const double time_step) const;
 

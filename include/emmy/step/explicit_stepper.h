@@ -42,6 +42,7 @@ namespace emmy
   class ExplicitStepper : public TimeIntegrator<dim>
   {
   public:
+    /** Of a scene and its state. */
     ExplicitStepper(const StepSetting<dim>   &setting,
                     const ExplicitForce<dim> &force,
                     RunState<dim>            &state);

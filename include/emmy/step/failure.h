@@ -9,9 +9,9 @@ namespace emmy
   template <int dim>
   struct FailedStep
   {
-    const Ground<dim>    &ground;
-    const GridStart<dim> &start;
-    StepEquation<dim>    &equation;
+    const Ground<dim>    &ground;       ///< grid and places of the step
+    const GridStart<dim> &start;        ///< at its start
+    StepEquation<dim>    &equation;     ///< that could not be solved
     const Vector         &displacement; ///< where Newton ended, m
     bool                  leaves_grid;  ///< a particle would
   };

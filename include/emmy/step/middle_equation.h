@@ -25,14 +25,16 @@ namespace emmy
     /** What an attempt starts from. */
     struct Start
     {
-      PlaceRules<dim>                rules;
-      const Balance<dim>            &balance;
-      const BoundaryConditions<dim> &boundary_conditions;
-      ParticlesToGrid<dim>          &particles_to_grid;
-      PointArrays<dim>               states; ///< at t, in the order of places
-      double                         time, time_step; ///< s
-      double                         tolerance;       ///< of places, in cells
-      Phases                        *phases;
+      PlaceRules<dim>                rules;               ///< how places move
+      const Balance<dim>            &balance;             ///< all forces
+      const BoundaryConditions<dim> &boundary_conditions; ///< of the scene
+      /** Made anew at each place. */
+      ParticlesToGrid<dim> &particles_to_grid;
+      PointArrays<dim>      states; ///< at t, in the order of places
+      /** Start and size of the step, s. */
+      double  time, time_step;
+      double  tolerance; ///< of places, in cells
+      Phases *phases;    ///< where the time goes
     };
 
     /** @param guess the first places. Collective. */
@@ -85,11 +87,13 @@ namespace emmy
     angular_momentum_left(const Vector           &displacement,
                           const PointArrays<dim> &trial) const;
 
+    /** At the latest places. */
     const Ground<dim> &
     ground() const;
     /** Mass and momentum at the places; the velocity is left to the caller. */
     GridStart<dim> &
     grid_start();
+    /** At the latest places. */
     StepEquation<dim> &
     equation();
 

@@ -15,9 +15,10 @@ namespace emmy
   /** What the detector has seen so far. */
   struct DetectorState
   {
-    double largest_kinetic_energy = 0.;             ///< J
-    double stored_energy = 0., largest_stored = 0.; ///< J
-    double overfill_at_start = 0.;
+    double largest_kinetic_energy = 0.; ///< J
+    /** J. */
+    double stored_energy = 0., largest_stored = 0.;
+    double overfill_at_start = 0.; ///< of the first step
     /** Steps on end beyond the bounds: of both, of each alone. */
     unsigned int n_both = 0, n_hidden = 0, n_overfilled = 0;
   };
@@ -25,9 +26,11 @@ namespace emmy
   /** What has been written of a run. */
   struct FramesState
   {
+    /** Written so far. */
     unsigned int n_intervals = 0, n_frames = 0, n_pictures = 0;
-    double       last_frame = -1., last_picture = -1.; ///< s
-    double       reached = 0.; ///< pictures up to this time were due, s
+    /** Times, s. */
+    double last_frame = -1., last_picture = -1.;
+    double reached = 0.; ///< pictures up to this time were due, s
     /** Time (s) and file of each frame. */
     std::vector<std::pair<double, std::string>> particle_files, grid_files,
       surface_files;
@@ -45,9 +48,10 @@ namespace emmy
   /** What has been said on the screen, and is not said again. */
   struct Told
   {
+    /** What the log has told. */
     bool limited_travel = false, struggled = false, held_places = false,
          detected = false, crossed_cells = false;
-    std::uint64_t most_cut_domains = 0;
+    std::uint64_t most_cut_domains = 0; ///< in a step so far
   };
 
   /**
@@ -60,18 +64,18 @@ namespace emmy
   template <int dim>
   struct RunState
   {
-    dealii::Particles::ParticleHandler<dim> particles;
+    dealii::Particles::ParticleHandler<dim> particles; ///< all of this rank
     unsigned int                            step = 0; ///< the last accepted one
     double                                  time = 0.; ///< s
     double kinetic_energy = 0.; ///< of the particles, in the ledger's last row
-    DetectorState detector;
-    LedgerSums    ledger;
-    FramesState   frames;
+    DetectorState detector;     ///< of the detector of noise
+    LedgerSums    ledger;       ///< over the steps so far
+    FramesState   frames;       ///< of files and pictures
     /** Of a run at its end: without what is written there only; else empty. */
     std::vector<FramesState> frames_before_end;
-    Told                     told;
-    Struggles                struggles;
-    LinearSolverState        linear_solver;
+    Told                     told;          ///< what the log has told
+    Struggles                struggles;     ///< halved and damped steps
+    LinearSolverState        linear_solver; ///< what solvers remember
     /** The next increment of static steps, s; 0: the usual one. */
     double increment = 0.;
     /** A number that tells in which cells particles were at the start. */

@@ -14,9 +14,10 @@ namespace emmy
   class DiagnosisParameters : public Section
   {
   public:
-    bool   small_cuts   = false;
-    double report_above = 1e8;
+    bool   small_cuts   = false; ///< whether matrices are examined
+    double report_above = 1e8;   ///< condition numbers above
 
+    /** Declares the entries of the section. */
     explicit DiagnosisParameters(const std::string &path = "Diagnosis");
 
     /** What the diagnosis costs. */
@@ -57,9 +58,10 @@ namespace emmy
   template <int dim>
   struct WeakNode
   {
+    /** A particle that reaches a weak node. */
     struct Feeder
     {
-      std::uint64_t      id;
+      std::uint64_t      id;       ///< its number over all ranks
       dealii::Point<dim> position; ///< m
       double             value;    ///< S of the node at the particle
       double             mass;     ///< m_p S, kg
@@ -116,14 +118,16 @@ namespace emmy
   template <int dim>
   struct StepDiagnosis
   {
+    /** Of the two matrices. */
     Diagnosis<dim> mass, jacobian;
   };
 
   /** Whether a small cut is to blame for a failure, and what helps. */
   struct CutVerdict
   {
-    std::string text, remedy; ///< for an error; may be empty
-    std::string weakest;      ///< Diagnosis::text() whatever the limit
+    /** For an error; may be empty. */
+    std::string text, remedy;
+    std::string weakest; ///< Diagnosis::text() whatever the limit
   };
 
   /**

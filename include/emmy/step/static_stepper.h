@@ -37,6 +37,7 @@ namespace emmy
   class StaticStepper : public TimeIntegrator<dim>
   {
   public:
+    /** Of a scene and its state. */
     StaticStepper(const StepSetting<dim> &setting,
                   const SolverParameters &solver_parameters,
                   RunState<dim>          &state);

@@ -61,6 +61,7 @@ namespace emmy
     /** Particle states that belong to the last evaluation. */
     PointArrays<dim> &
     trial();
+    /** Stress and strain of the particles at the last iterate. */
     const PointArrays<dim> &
     trial() const;
 

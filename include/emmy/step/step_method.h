@@ -14,13 +14,13 @@ namespace emmy
   template <int dim>
   struct StepMethod
   {
-    const ShapeFunctions<dim> &shape_functions;
-    const DomainUpdate<dim>   *domain_update; ///< null: domains stay
-    const PointMapping        &mapping;
-    const StepRule<dim>       &step_rule;
-    const TravelLimit<dim>    *travel_limit; ///< null: no limit
-    const Balance<dim>        &balance;
-    const DiagnosisParameters &diagnosis;
+    const ShapeFunctions<dim> &shape_functions; ///< of the scene
+    const DomainUpdate<dim>   *domain_update;   ///< null: domains stay
+    const PointMapping        &mapping;         ///< from particles to grid
+    const StepRule<dim>       &step_rule;       ///< how large steps are
+    const TravelLimit<dim>    *travel_limit;    ///< null: no limit
+    const Balance<dim>        &balance;         ///< all forces
+    const DiagnosisParameters &diagnosis;       ///< of small cuts
     /**
      * Where the grid is undeformed in the middle of a step; null: at its start.
      */

@@ -17,19 +17,23 @@ namespace emmy
   class TimeParameters : public Section
   {
   public:
-    double                   end_time      = 0.; // s, required
-    std::string              integrator    = "implicit";
-    std::string              stress_update = "modified";
-    std::string              step_rule     = "normalised";
-    double                   step_size = 0.; // s, required by the rule `fixed`
-    double                   factor    = 1.;
-    unsigned int             maximum_steps     = 0;
-    unsigned int             maximum_halvings  = 8;
-    double                   maximum_travel    = 0.5; // cells
+    double end_time = 0.; ///< s, required
+    /** `implicit`, `explicit` or `static`. */
+    std::string integrator    = "implicit";
+    std::string stress_update = "modified"; ///< of explicit steps
+    /** `normalised`, `wave` or `fixed`. */
+    std::string  step_rule        = "normalised";
+    double       step_size        = 0.;  ///< s, required by the rule `fixed`
+    double       factor           = 1.;  ///< of the normalised step
+    unsigned int maximum_steps    = 0;   ///< 0: no limit
+    unsigned int maximum_halvings = 8;   ///< of one step
+    double       maximum_travel   = 0.5; ///< cells
+    /** So that the run ends at its end time. */
     bool                     shorten_last_step = true;
-    unsigned int             increments        = 10; // of static steps
-    std::vector<std::string> raised_loads;           // effects; empty: all
+    unsigned int             increments        = 10; ///< of static steps
+    std::vector<std::string> raised_loads;           ///< effects; empty: all
 
+    /** Declares the entries of the section. */
     explicit TimeParameters(const std::string &path = "Time");
 
     /** Throws ExcParameter. */
@@ -43,12 +47,14 @@ namespace emmy
     double
     latest_end() const;
 
+    /** By its integrator. */
     bool
     is_explicit() const
     {
       return integrator == "explicit";
     }
 
+    /** By its integrator. */
     bool
     is_static() const
     {

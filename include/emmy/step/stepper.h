@@ -16,6 +16,7 @@ namespace emmy
   class Stepper : public TimeIntegrator<dim>
   {
   public:
+    /** Of a scene and its state. */
     Stepper(const StepSetting<dim> &setting,
             const SolverParameters &solver_parameters,
             RunState<dim>          &state);

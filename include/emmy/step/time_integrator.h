@@ -11,12 +11,12 @@ namespace emmy
   template <int dim>
   struct StepSetting
   {
-    BackgroundGrid<dim>           &grid;
-    const BoundaryConditions<dim> &boundary_conditions;
-    const FieldLayout             &layout;
-    const StepMethod<dim>          method;
-    const TimeParameters          &limits;
-    Phases                        &phases;
+    BackgroundGrid<dim>           &grid;                ///< of the scene
+    const BoundaryConditions<dim> &boundary_conditions; ///< of the scene
+    const FieldLayout             &layout; ///< what particles carry
+    const StepMethod<dim>          method; ///< how a step is made
+    const TimeParameters          &limits; ///< end time and halvings
+    Phases                        &phases; ///< where the time goes
   };
 
   /** A try of a step that was not accepted. */
@@ -30,7 +30,7 @@ namespace emmy
   /** What is known of a step that could not be made; same on all ranks. */
   struct FailureRecord
   {
-    std::vector<FailedTry> tries;
+    std::vector<FailedTry> tries; ///< of this step
     /** Where its matrix is weakest, in words; empty: it was not examined. */
     std::string weakest;
   };
@@ -160,9 +160,9 @@ namespace emmy
                  const double              time,
                  std::vector<StepMeasure> &measures);
 
-    const StepSetting<dim> setting;
-    RunState<dim>         &state;
-    FailureRecord          failure;
+    const StepSetting<dim> setting; ///< references to the scene
+    RunState<dim>         &state;   ///< what steps change
+    FailureRecord          failure; ///< of the last step
 
   private:
     static void

@@ -39,6 +39,7 @@ namespace emmy
     /** Mean position and velocity of a part, in cells and cells/s. */
     struct Part
     {
+      /** m and m/s. */
       dealii::Tensor<1, dim> x, v;
     };
 
@@ -58,6 +59,7 @@ namespace emmy
                const unsigned int      velocity_component,
                const unsigned int      mass_component) const;
 
+    /** Cells per step. */
     double
     travel() const
     {

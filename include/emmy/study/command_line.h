@@ -10,6 +10,7 @@ namespace emmy
   /** What the command line asks for. */
   struct CommandLine
   {
+    /** What to do. */
     enum class Task
     {
       run,
@@ -21,15 +22,16 @@ namespace emmy
       completion, ///< of words, in a shell
       verify,
       verify_full
-    } task = Task::run;
-    std::string              file;
+    } task = Task::run;                   ///< what to do
+    std::string              file;        ///< the parameter file
     std::vector<std::string> assignments; ///< of --set, in their order
-    bool                     overwrite = false, all = false;
-    double                   tolerance = 0.; ///< 0: not asked for
-    bool                     is_study  = false;
-    std::string              restart; ///< results of the run to go on with
-    bool                     new_loads = false; ///< which then may be others
-    std::string              topic;             ///< of help; empty: everything
+    /** As given. */
+    bool        overwrite = false, all = false;
+    double      tolerance = 0.;    ///< 0: not asked for
+    bool        is_study  = false; ///< the first word is `study`
+    std::string restart;           ///< results of the run to go on with
+    bool        new_loads = false; ///< which then may be others
+    std::string topic;             ///< of help; empty: everything
   };
 
   /**

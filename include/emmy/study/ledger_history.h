@@ -21,6 +21,7 @@ namespace emmy
     /** Throws ExcRun if the file cannot be read. */
     explicit LedgerHistory(const std::string &filename);
 
+    /** Whether there is such a column. */
     bool
     has(const std::string &column) const;
 
@@ -28,7 +29,7 @@ namespace emmy
     const std::vector<double> &
     column(const std::string &name) const;
 
-    std::vector<std::string> names;
+    std::vector<std::string> names; ///< of columns
 
   private:
     void

@@ -12,7 +12,7 @@ namespace emmy
    * results. Starts and ends MPI, one thread per rank; prints errors. A
    * program that brings its own materials or effects adds them to their
    * libraries, for both dimensions, and then calls this:
-   * see doc/examples/neo-hooke.
+   * see doc/tutorials.
    *
    * @return the exit code for main(): 0, 1 after an error,
    *   interrupted_exit_code after a signal

@@ -17,7 +17,8 @@ namespace emmy
   struct StudyCurve
   {
     /** Their values of the other lists: "functions = GIMP, points = 2". */
-    std::string               name;
+    std::string name;
+    /** Numbers of members, from coarse to fine. */
     std::vector<unsigned int> members;
   };
 
@@ -48,6 +49,7 @@ namespace emmy
   /** What values tend to with decreasing size; NaN: they do not. */
   struct StudyLimit
   {
+    /** Error, and order to the one before. */
     double value, order;
   };
 
@@ -81,10 +83,11 @@ namespace emmy
    */
   struct StudyChoice
   {
+    /** Which value of which list. */
     unsigned int        list, value;
-    unsigned int        n_pairs = 0;
-    double              seconds; ///< times the first one's; NaN: not known
-    std::vector<double> errors;  ///< for each quantity
+    unsigned int        n_pairs = 0; ///< compared
+    double              seconds;     ///< times the first one's; NaN: not known
+    std::vector<double> errors;      ///< for each quantity
   };
 
   /** For all values but the first of all lists. */

@@ -10,9 +10,11 @@ namespace emmy
   class StudyListParameters : public Section
   {
   public:
+    /** As written. */
     std::string         entries, values, value_names, label;
-    std::vector<double> sizes;
+    std::vector<double> sizes; ///< for pictures and orders
 
+    /** Declares the entries of a section. */
     explicit StudyListParameters(const std::string &path);
 
     /** The list of this name. Throws ExcParameter for what is wrong. */

@@ -43,6 +43,7 @@ namespace emmy
   /** What is subtracted from a quantity to have its error. */
   struct StudyReference
   {
+    /** What a value is compared with. */
     enum class Kind
     {
       none,   ///< nothing: the quantity is an error already
@@ -51,9 +52,9 @@ namespace emmy
       limit   ///< of three members of decreasing size (Richardson)
     };
 
-    Kind         kind   = Kind::none;
-    double       number = 0.;
-    unsigned int member = 0;
+    Kind         kind   = Kind::none; ///< of the reference
+    double       number = 0.;         ///< if it is a number
+    unsigned int member = 0;          ///< if it is a member
   };
 
   /** One setting of the base scene. */
@@ -70,23 +71,26 @@ namespace emmy
    */
   struct StudyPlan
   {
-    std::string                 title, purpose; ///< for the page
-    std::string                 file;           ///< that describes the study
-    std::string                 directory;
-    std::vector<StudyList>      lists;
+    /** For the page. */
+    std::string title, purpose;
+    std::string file;      ///< that describes the study
+    std::string directory; ///< of all results
+    /** By their first one, in the names of members. */
+    std::vector<StudyList> lists;
+    /** Values side by side, not crossed. */
     bool                        is_paired = false;
-    std::vector<StudyMember>    members;
-    std::vector<StudyQuantity>  quantities;
+    std::vector<StudyMember>    members;    ///< runs
+    std::vector<StudyQuantity>  quantities; ///< what is compared
     std::vector<StudyReference> references; ///< one per quantity
     /** What errors are divided by; 0: the size of the reference. */
     std::vector<double> scales;
     std::vector<double> tolerances; ///< of the page, descending
     /** List whose sizes are an axis; lists.size() if there is none. */
     unsigned int  refined_list = 0;
-    int           baseline     = -1; ///< a member to compare with; -1: none
-    unsigned int  repetitions  = 1;
-    bool          with_frames  = false;
-    ParameterFile base_scene;
+    int           baseline     = -1;    ///< a member to compare with; -1: none
+    unsigned int  repetitions  = 1;     ///< of each run, for seconds
+    bool          with_frames  = false; ///< whether runs write files
+    ParameterFile base_scene;           ///< without the lists' values
 
     /** Where a repetition, counted from 0, of a member goes. */
     std::string
@@ -104,6 +108,7 @@ namespace emmy
     unsigned int
     ranks(const StudyMember &member) const;
 
+    /** Whether any list has sizes. */
     bool
     has_sizes() const
     {

@@ -13,8 +13,8 @@ namespace emmy
   /** Some columns of a ledger over a part of a run. */
   struct StudyPath
   {
-    std::vector<double>              times; ///< s, ascending
-    std::vector<std::vector<double>> components;
+    std::vector<double>              times;      ///< s, ascending
+    std::vector<std::vector<double>> components; ///< of each point in time
 
     /** Values at a time, linear between rows, constant beyond the ends. */
     std::vector<double>
@@ -46,6 +46,7 @@ namespace emmy
    */
   struct StudyQuantity
   {
+    /** What is taken of a column. */
     enum class Kind
     {
       last,
@@ -54,10 +55,11 @@ namespace emmy
       path
     };
 
-    Kind        kind = Kind::last;
+    Kind kind = Kind::last; ///< of this quantity
+    /** As written, and the ledger's. */
     std::string words, column;
-    double      from = -std::numeric_limits<double>::infinity();
-    double      to   = std::numeric_limits<double>::infinity();
+    double      from = -std::numeric_limits<double>::infinity(); ///< s
+    double      to   = std::numeric_limits<double>::infinity();  ///< s
 
     /** @return whether @p words say one; then @p quantity is it */
     static bool
@@ -67,6 +69,7 @@ namespace emmy
     std::string
     name() const;
 
+    /** Whether the ledger has its columns. */
     bool
     is_in(const LedgerHistory &ledger) const;
 

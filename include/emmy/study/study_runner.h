@@ -31,6 +31,7 @@ namespace emmy
   class StudyRunner
   {
   public:
+    /** Of a plan, with this program. */
     StudyRunner(const StudyPlan &plan,
                 const bool       overwrite,
                 const MPI_Comm   communicator);

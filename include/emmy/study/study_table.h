@@ -43,9 +43,11 @@ namespace emmy
     void
     find_limits();
 
+    /** Members that have run. */
     unsigned int
     n_done() const;
 
+    /** Whether member m has run. */
     bool
     is_done(const unsigned int m) const;
 
@@ -79,6 +81,7 @@ namespace emmy
     /** One per member. */
     std::vector<double>
     all_seconds() const;
+    /** By member; NaN: none. */
     std::vector<double>
     errors(const unsigned int quantity) const;
 

@@ -16,24 +16,28 @@ namespace emmy
   /** A number of a scene, and what it has to be. */
   struct Claim
   {
-    std::string what; ///< with its unit
-    double      reference;
+    std::string what;      ///< with its unit
+    double      reference; ///< paper's, closed form, or another program's
     /**
      * How far from the reference the number may be, in the reference's unit;
      * of a reference that is 0 the largest number that is allowed.
      */
-    double                                       allowed;
-    std::string                                  source;
+    double allowed;
+    /** Where it is published. */
+    std::string source;
+    /** From the ledger's columns. */
     std::function<double(const LedgerColumns &)> value;
   };
 
   /** A scene that emmy brings along, and what is claimed of it. */
   struct VerificationCase
   {
-    std::string              scene; ///< as in prm/, without the ending
-    std::vector<std::string> settings, short_settings; ///< as of --set
-    std::vector<Claim>       claims, full_claims; ///< these of full runs only
-    bool                     is_short = true; ///< whether short runs have it
+    std::string scene; ///< as in prm/, without the ending
+    /** As of --set. */
+    std::vector<std::string> settings, short_settings;
+    /** Of all runs; of full runs only. */
+    std::vector<Claim> claims, full_claims;
+    bool               is_short = true; ///< whether short runs have it
   };
 
   /** All of them. */

@@ -75,16 +75,19 @@ namespace emmy
       return local_coupled_nodes.data() + first;
     }
 
+    /** That this rank's cells touch. */
     unsigned int
     n_local_nodes() const
     {
       return node_numbers.size();
     }
+    /** Whose equations this rank has. */
     unsigned int
     n_owned_nodes() const
     {
       return node_partition->locally_owned_size();
     }
+    /** Over all ranks. */
     dealii::types::global_dof_index
     n_dofs() const
     {
@@ -98,6 +101,7 @@ namespace emmy
       return dim * node_numbers[local_node];
     }
 
+    /** m. */
     const dealii::Point<dim> &
     position(const unsigned int local_node) const
     {
@@ -152,6 +156,7 @@ namespace emmy
       return node_places;
     }
 
+    /** Of all ranks. */
     MPI_Comm
     communicator() const;
 
@@ -159,6 +164,7 @@ namespace emmy
     double
     shortest_side() const;
 
+    /** Of this rank. */
     const dealii::IndexSet &
     dofs() const
     {
@@ -190,6 +196,7 @@ namespace emmy
     {
       return active_cells;
     }
+    /** Local numbers of a cell's nodes. */
     const std::array<unsigned int, BackgroundGrid<dim>::nodes_per_cell> &
     cell_nodes(const unsigned int cell) const
     {

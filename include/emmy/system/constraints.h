@@ -25,7 +25,8 @@ namespace emmy
   class Constraints
   {
   public:
-    using Dof     = dealii::types::global_dof_index;
+    using Dof = dealii::types::global_dof_index; ///< an unknown
+    /** Unknowns and weights. */
     using Entries = std::vector<std::pair<Dof, double>>;
 
     Constraints();
@@ -34,6 +35,7 @@ namespace emmy
     explicit Constraints(
       std::shared_ptr<const dealii::Utilities::MPI::Partitioner> partition);
 
+    /** It stays zero. */
     void
     fix(const Dof dof);
 

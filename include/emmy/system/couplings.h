@@ -22,12 +22,14 @@ namespace emmy
   template <int dim>
   struct TiedNode
   {
+    /** Whom a tied node follows. */
     struct Master
     {
-      dealii::types::global_dof_index id;
-      double                          weight;
+      dealii::types::global_dof_index id;     ///< over all ranks
+      double                          weight; ///< of its motion
       dealii::Point<dim> position; ///< this rank may not know the node
 
+      /** Same node and weight. */
       bool
       operator==(const Master &other) const
       {
@@ -35,9 +37,10 @@ namespace emmy
       }
     };
 
-    dealii::types::global_dof_index id; ///< in the background grid
-    std::vector<Master>             masters;
+    dealii::types::global_dof_index id;      ///< in the background grid
+    std::vector<Master>             masters; ///< with weights
 
+    /** Same node and masters. */
     bool
     operator==(const TiedNode &other) const
     {
@@ -65,18 +68,19 @@ namespace emmy
     /** Nodes that meet in matrices without sharing a particle: ids of the
      * background grid, group by group. */
     std::vector<dealii::types::global_dof_index> node_ids;
-    std::vector<unsigned int>                    group_sizes;
+    /** Of cells whose nodes are coupled with one another. */
+    std::vector<unsigned int> group_sizes;
     /**
      * Nodes among them that are beyond this rank's part of the grid, and where
      * they are; and whether any rank has one.
      */
     std::vector<std::pair<dealii::types::global_dof_index, dealii::Point<dim>>>
          far_nodes;
-    bool has_far_nodes = false;
+    bool has_far_nodes = false; ///< whether some are not in this rank's cells
 
     /** Among the nodes that this rank knows, and whether any rank has one. */
     std::vector<TiedNode<dim>> tied_nodes;
-    bool                       has_tied_nodes = false;
+    bool                       has_tied_nodes = false; ///< on any rank
 
     /** Hands out mass that no particle carries; null: there is none. */
     std::function<void(const ActiveGrid<dim> &, const MassReceiver &)>

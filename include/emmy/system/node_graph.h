@@ -22,9 +22,10 @@ namespace emmy
    */
   struct ComponentBlocks
   {
-    const double *values;
-    unsigned int  n_nodes;
-    std::size_t   by_i, by_j, by_a;
+    const double *values;  ///< of a cell's matrix
+    unsigned int  n_nodes; ///< of the cell
+    /** Strides. */
+    std::size_t by_i, by_j, by_a;
 
     /** The same as (dim a + i, dim b + j). */
     template <int dim>
@@ -48,10 +49,11 @@ namespace emmy
     /** Nodes that all meet: [first, first + n) of an array. */
     struct Clique
     {
-      const unsigned int *nodes;
-      unsigned int        n;
+      const unsigned int *nodes; ///< neighbours
+      unsigned int        n;     ///< how many
     };
 
+    /** Rows of this rank. */
     unsigned int
     n_nodes() const
     {
@@ -84,6 +86,7 @@ namespace emmy
          const Constraints                                  &constraints,
          const MPI_Comm                                      communicator);
 
+    /** For Trilinos' matrices. */
     const dealii::TrilinosWrappers::SparsityPattern &
     pattern() const
     {
@@ -199,6 +202,7 @@ namespace emmy
   class BlockSum
   {
   public:
+    /** Adds blocks of nodes to a matrix. */
     BlockSum(const NodeGraph<dim> &graph, Matrix &matrix);
 
     /** As NodeGraph::add(). */

@@ -14,6 +14,7 @@ namespace emmy
    */
   struct RankOne
   {
+    /** The matrix is column times row. */
     Vector column, row;
   };
 

@@ -17,14 +17,17 @@ namespace emmy
   class Parcel
   {
   public:
+    /** For particles of that many numbers. */
     explicit Parcel(const unsigned int n_fields)
       : length(2 * dim + 1 + n_fields)
     {}
 
+    /** Put a particle in. */
     void
     add(const CellKey<dim>                             &place,
         const dealii::Particles::ParticleAccessor<dim> &particle);
 
+    /** In the parcel. */
     std::size_t
     n_particles() const
     {
@@ -38,6 +41,7 @@ namespace emmy
       return length;
     }
 
+    /** On the lattice. */
     CellKey<dim>
     place(const std::size_t i) const;
 
@@ -51,7 +55,7 @@ namespace emmy
     void
     hand_on(const std::size_t i, std::vector<double> &other) const;
 
-    std::vector<double> values;
+    std::vector<double> values; ///< of all particles, one after the other
 
   private:
     const std::size_t length;

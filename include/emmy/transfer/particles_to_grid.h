@@ -29,8 +29,8 @@ namespace emmy
   template <int dim>
   struct Ground
   {
-    Stencils<dim>    stencils;
-    PointArrays<dim> points; ///< states at t
+    Stencils<dim>    stencils; ///< at the start of the step
+    PointArrays<dim> points;   ///< states at t
   };
 
   /** How masses and velocities go to the grid and come back. */
@@ -108,6 +108,7 @@ namespace emmy
   class ParticlesToGrid
   {
   public:
+    /** Of a grid and the scene's fields. */
     ParticlesToGrid(const BackgroundGrid<dim>     &grid,
                     const BoundaryConditions<dim> &boundary_conditions,
                     const FieldLayout             &layout,

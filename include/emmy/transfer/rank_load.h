@@ -14,7 +14,7 @@ namespace emmy
   struct RankLoad
   {
     double work      = 1.; ///< by grid/cell_work.h
-    double particles = 1.;
+    double particles = 1.; ///< times that of a cell
   };
 
   /**
