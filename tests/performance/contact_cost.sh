@@ -25,8 +25,8 @@ cd "$work"
 export OMPI_MCA_ess_singleton_isolated=1 OMPI_MCA_pml=ob1 OMPI_MCA_btl=self
 export OMP_NUM_THREADS=1 DEAL_II_NUM_THREADS=1
 
-few=2
-many=5
+few=1
+many=3
 limit=15 # %
 
 # body NAME LOWER UPPER HEIGHTS: a block of 4 m width
@@ -50,8 +50,8 @@ scene()
   echo "set Dimension = 2"
   echo "subsection Grid"
   echo "set Lower corner = 0, 0"
-  echo "set Upper corner = 4, 6"
-  echo "set Cells = 16, 24"
+  echo "set Upper corner = 4, 4"
+  echo "set Cells = 16, 16"
   echo "end"
   echo "subsection Materials"
   echo "set Names = rubber"
@@ -65,11 +65,11 @@ scene()
   echo "subsection Bodies"
   if [ "$1" = pairs ]; then
     echo "set Names = lower, upper"
-    body lower 0 2.5
-    body upper 2.5 5
+    body lower 0 1.5
+    body upper 1.5 3
   else
     echo "set Names = block"
-    body block 0 5
+    body block 0 3
   fi
   echo "end"
   echo "subsection Boundary conditions"
@@ -121,7 +121,7 @@ per_iteration()
 
 none=$(per_iteration none)
 status=0
-echo "| 1280 particles, 64 touch or 128 meet | instructions per iteration of Newton | more |"
+echo "| 768 particles, 32 touch the tool, 64 meet | instructions per iteration of Newton | more |"
 echo "|---|---|---|"
 echo "| no contact | $none | |"
 for what in tools pairs; do
