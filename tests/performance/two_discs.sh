@@ -1,0 +1,62 @@
+#!/bin/sh
+# Two discs that meet, prm/examples/two-discs.prm, on cells of 0.5 m with 2x2
+# particles, beside cells of 2 m with 35x35 particles: when they touch and part,
+# the largest strain energy, and what is kept as strain at the end. Fails if that
+# of the fine cells is more than 3 % of the energy there is above that of the many
+# particles, or if discs do not part. How near they come before they touch is
+# printed by test_contact_scenes. A minute on an idle core.
+#
+#   tests/performance/two_discs.sh [BUILD_FOLDER]      default: build
+set -eu
+
+root=$(cd "$(dirname "$0")/../.." && pwd)
+build=$(cd "${1:-build}" && pwd)
+[ -x "$build/emmy" ] || { echo "no $build/emmy: build it first" >&2; exit 2; }
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+trap 'exit 1' HUP INT TERM
+cd "$work"
+export OMP_NUM_THREADS=1 DEAL_II_NUM_THREADS=1
+
+# discs SETTINGS...: touch, part, largest strain energy, that at the end, balance,
+# iterations
+discs()
+{
+  "$build/emmy" "$root/prm/examples/two-discs.prm" --set Output/Directory=run \
+    --set Output/Frames=0 --set Output/Pictures=false --overwrite "$@" >out ||
+    { cat out >&2; exit 1; }
+  awk -F, '
+    NR == 1 { for (i = 1; i <= NF; ++i) c[$i] = i; next }
+    { t = $c["time"]; S = $c["strain_energy"]; e = $c["balance_error"]
+      if ($c["contact_pairs"] > 0) { if (!touch) touch = t; part = t }
+      if (S > most) most = S
+      if (e < 0) e = -e
+      if (e > error) error = e
+      n += $c["newton_iterations"] }
+    END { printf "%.2f %.2f %.3f %.3f %.1e %.1f %.2f\n", touch, part, most, S,
+            error, n / (NR - 2), t }' run/ledger.csv
+}
+
+echo "| discs | touch, s | last touch, s | strain energy, most, J | at the end, J | balance error, J | Newton |"
+echo "|---|---|---|---|---|---|---|"
+row()
+{
+  name=$1
+  shift
+  # shellcheck disable=SC2046
+  set -- $(discs "$@")
+  echo "| $name | $1 | $2 | $3 | $4 | $5 | $6 |"
+  awk -v part="$2" -v end="$7" 'BEGIN { exit !(part < end - 0.5) }' ||
+    { echo "FAILED: they do not part"; exit 1; }
+  kept=$4
+}
+row "0.5 m, 2x2"
+coarse=$kept
+row "2 m, 35x35" --set "Grid/Cells=10, 6" \
+  --set "Bodies/left/Points per direction=35" \
+  --set "Bodies/right/Points per direction=35" \
+  --set "Effects/Contact/Points per direction=1"
+awk -v a="$coarse" -v b="$kept" 'BEGIN {
+  share = 100 * (a - b) / 35.2653
+  printf "kept as strain beyond that of many particles: %.2f %% of the energy (at most 3 %%)\n", share
+  exit !(share <= 3) }'
