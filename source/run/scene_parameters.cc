@@ -120,10 +120,9 @@ namespace emmy
                   "nothing. cell: in a step the volume of all particles of a "
                   "cell changes alike, without loss of energy or momentum. "
                   "automatic: cell where a body flows plastically or has a "
-                  "Poisson's ratio above 0.4, unless explicit steps, another "
-                  "<Stress rule> or Domain update = corners have no place "
-                  "for it; else none. Fluids, above 0.4999995, do not ask for "
-                  "it.",
+                  "Poisson's ratio above 0.4 (fluids, above 0.4999995, do "
+                  "not ask), unless explicit steps, another <Stress rule> or "
+                  "Domain update = corners have no place for it; else none.",
                   prm,
                   Selection("automatic|none|cell"));
     add_parameter("Wall mapping",

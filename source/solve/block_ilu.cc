@@ -163,6 +163,14 @@ namespace emmy
       return result;
     }
 
+    void
+    check_exchange(const int code)
+    {
+      AssertThrow(code >= 0,
+                  dealii::ExcMessage("Epetra's exchange failed with " +
+                                     std::to_string(code)));
+    }
+
     /** The unknowns of these nodes. */
     template <int n>
     Epetra_Map
@@ -185,9 +193,14 @@ namespace emmy
     class Rows
     {
     public:
-      /** @param others where the rows of the others come from, or nullptr */
+      /**
+       * @param met nodes of others
+       * @param rows_of_met their unknowns
+       * @param others where their rows come from, or nullptr
+       */
       Rows(const Epetra_CrsMatrix &entries,
            const std::vector<int> &met,
+           const Epetra_Map       &rows_of_met,
            const Epetra_Import    *others)
         : entries(entries)
         , begin(n * (std::lower_bound(met.begin(),
@@ -213,9 +226,8 @@ namespace emmy
           column[j] = place_of(entries.ColMap().GID(j));
         if (others == nullptr)
           return;
-        Epetra_CrsMatrix rows(
-          Copy, static_cast<const Epetra_Map &>(others->TargetMap()), 0);
-        rows.Import(entries, *others, Insert);
+        Epetra_CrsMatrix rows(Copy, rows_of_met, 0);
+        check_exchange(rows.Import(entries, *others, Insert));
         for (int i = 0; i < rows.NumMyRows(); ++i)
           {
             int     length, *unknowns;
@@ -286,14 +298,15 @@ namespace emmy
   {
     const Epetra_CrsMatrix &entries = matrix.trilinos_matrix();
     const std::vector<int>  met     = met_on_others<n>(entries);
+    AssertThrow(entries.RowMap().LinearMap(),
+                dealii::ExcMessage("Unknowns of ranks are not in order."));
+    const Epetra_Map rows_of_met = unknowns_of<n>(met, entries.RowMap());
     if (entries.Comm().NumProc() > 1)
       {
-        others =
-          std::make_unique<Epetra_Import>(unknowns_of<n>(met, entries.RowMap()),
-                                          entries.RowMap());
-        from_others = std::make_unique<Epetra_Vector>(others->TargetMap());
+        others = std::make_unique<Epetra_Import>(rows_of_met, entries.RowMap());
+        from_others = std::make_unique<Epetra_Vector>(rows_of_met);
       }
-    const Rows<n>      rows(entries, met, others.get());
+    const Rows<n>      rows(entries, met, rows_of_met, others.get());
     const unsigned int n_nodes = rows.n_nodes;
     begin                      = rows.begin;
     end                        = rows.end;
@@ -415,7 +428,7 @@ namespace emmy
     const unsigned int n_nodes = upper.size();
     const double      *in      = r.begin();
     if (others != nullptr)
-      from_others->Import(r.trilinos_vector(), *others, Insert);
+      check_exchange(from_others->Import(r.trilinos_vector(), *others, Insert));
     const auto scaled = [&](const unsigned int i) {
       return scale[i] * (i < begin ? (*from_others)[i]
                          : i < end ? in[i - begin]

@@ -66,6 +66,8 @@ def impedance(a0, nu):
 
 
 def main():
+    if not 3 <= len(sys.argv) <= 6:
+        sys.exit("vibrating_strip.py HERTZ HALF_WIDTH [SHEAR_WAVE_SPEED] [POISSON] [DENSITY]")
     hertz, b, c_s, nu, rho = (list(map(float, sys.argv[1:])) + [200.0, 0.25, 1800.0][len(sys.argv) - 3 :])[:5]
     omega = 2 * math.pi * hertz
     stiffness = impedance(omega * b / c_s, nu) * rho * c_s**2 / 2

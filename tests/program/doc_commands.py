@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Every command of README.md, CONTRIBUTING.md and doc/*.md is run.
+"""Every command of README.md, CONTRIBUTING.md and doc/*.md is run: all lines
+that begin with one of PROGRAMS.
 
     doc_commands.py SOURCE_ROOT EMMY_BUILD [-v] [PAGE...]
 
@@ -19,6 +20,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 # Words that stand for the reader's own
@@ -65,7 +67,9 @@ def need_known(words, file):
         text = opened.read()
     for word in words:
         if re.match(r"--?[a-z]|[a-z-]+$", word) and word not in ("build", "mpirun"):
-            need(word.lstrip("-") in text, f"{file} does not know <{word}>")
+            name = re.escape(word.lstrip("-"))
+            need(re.search(rf"-{name}(?![\w-])|[\"'/]{name}[\"',]|\b{name}\)", text),
+                 f"{file} does not know <{word}>")
 
 
 def emmy(words, tools):
@@ -264,8 +268,10 @@ class Folder:
 
     def __init__(self, folder, root, build):
         self.folder, bin_folder = folder, os.path.join(folder, ".bin")
-        for name in ["prm", "doc", "tests", "source", "CMakeLists.txt"]:
+        for name in ["tests", "source", "CMakeLists.txt"]:
             os.symlink(os.path.join(root, name), os.path.join(folder, name))
+        for name in ["prm", "doc"]: # commands write there
+            shutil.copytree(os.path.join(root, name), os.path.join(folder, name))
         for name in [".bin", ".mpi", "build", "build/tests", "results"]:
             os.mkdir(os.path.join(folder, name))
         for name in os.listdir(build):
@@ -289,9 +295,9 @@ class Folder:
 
     def run(self, command):
         # what lies in folders that are not here, or is not for a test
-        for name in re.findall(r"(?<![\w/.])(build/tests/\S+|build-[\w-]+/\S+|(?:tests|doc)/\S+\.(?:sh|py))", command):
-            if re.search(rf"(?:^|[;|&] *){re.escape(name)}", command):
-                command = command.replace(name, f"{self.call} {name}", 1)
+        command = re.sub(r"(?m)(^|[;|&]\s*|\b(?:do|then)\s+)"
+                         r"(build/tests/\S+|build-[\w-]+/\S+|(?:tests|doc)/\S+\.(?:sh|py))(?=\s|$)",
+                         lambda found: f"{found[1]}{self.call} {found[2]}", command)
         return subprocess.run(["bash", "-e", "-o", "pipefail", "-c", command], cwd=self.folder, env=self.environment,
                               capture_output=True, text=True, stdin=subprocess.DEVNULL, timeout=250)
 
@@ -309,7 +315,7 @@ class Book:
 
     def __init__(self, root, build):
         self.root, self.build = root, build
-        self.n_commands, self.wrong, self.seen = 0, 0, set()
+        self.n_commands, self.wrong, self.seen, self.lock = 0, 0, set(), threading.Lock()
 
     def follow(self, pages):
         with tempfile.TemporaryDirectory() as folder:
@@ -317,8 +323,12 @@ class Book:
             made = here.run(MY_RUN)
             if made.returncode:
                 self.complain("no run to go on with", made)
-            while pages:
-                self.page(pages.pop(0), here)
+            while True:
+                with self.lock:
+                    page = pages.pop(0) if pages else None
+                if page is None:
+                    return
+                self.page(page, here)
 
     def page(self, page, here):
         here.clean()
@@ -334,15 +344,20 @@ class Book:
             if command in NEED_ALL:
                 command = f"grep -rqF '{NEED_ALL[command]}' source"
             start = time.monotonic()
-            done = here.run(command)
-            self.n_commands += 1
+            try:
+                done = here.run(command)
+            except subprocess.TimeoutExpired as late:
+                done = subprocess.CompletedProcess(command, -1, "", str(late))
+            with self.lock:
+                self.n_commands += 1
             if "-v" in sys.argv:
                 print(f"{time.monotonic() - start:6.2f} s  {page}:{line or ''}  {command}", flush=True)
             if done.returncode and not (done.returncode == 1 and command.startswith("grep -c")):
                 self.complain(f"{page}:{line or ' in a sentence'}: {command}", done)
 
     def complain(self, what, done):
-        self.wrong += 1
+        with self.lock:
+            self.wrong += 1
         print(f"FAILED: {what}\n{done.stdout[-800:]}{done.stderr[-1500:]}", flush=True)
 
 

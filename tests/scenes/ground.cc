@@ -20,6 +20,9 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <iomanip>
+#include <sstream>
 
 #include <unistd.h>
 
@@ -159,6 +162,13 @@ namespace
                 {"Bodies/b/Cut by=x-min, x-max, y-min"});
   }
 
+  /** The larger of two; NaN if one is. */
+  double
+  larger(const double a, const double b)
+  {
+    return b <= a || std::isnan(a) ? a : b;
+  }
+
   /** The largest value of a column of a ledger's file, and its length. */
   std::pair<double, unsigned int>
   largest_in(const std::string &path, const std::string &column)
@@ -176,7 +186,7 @@ namespace
         std::istringstream row(line);
         for (unsigned int i = 0; i <= position; ++i)
           std::getline(row, cell, ',');
-        result = std::max(result, std::stod(cell));
+        result = larger(result, std::stod(cell));
       }
     return {result, rows};
   }
@@ -205,17 +215,17 @@ namespace
         const double place = particle.get_location()[1] - u[1];
         const double error =
           (stress[4] / (density * gravity) + height - place) / height;
-        result.worst = std::max(result.worst, std::abs(error));
+        result.worst = larger(result.worst, std::abs(error));
         result.mean += std::abs(error) / scene.particles.n_global_particles();
         const double x = particle.get_location()[0] - u[0];
         if (std::min({x, column.width() - x, place, height - place}) > cell)
-          result.inside = std::max(result.inside, std::abs(error));
+          result.inside = larger(result.inside, std::abs(error));
         const unsigned int metre = std::min(9., std::max(0., place));
         sum[metre] += error;
         ++n[metre];
       }
     for (unsigned int i = 0; i < sum.size(); ++i)
-      result.of_metre = std::max(result.of_metre, std::abs(sum[i] / n[i]));
+      result.of_metre = larger(result.of_metre, std::abs(sum[i] / n[i]));
     return result;
   }
 
@@ -260,7 +270,8 @@ namespace
               << brief(100. * error.of_metre)
               << " % in the mean of a metre; in " << n_steps
               << " steps kinetic energy / stored " << brief(moves) << std::endl;
-    check(rows <= 11 && most <= 4., "10 increments, 4 iterations in each");
+    check(rows == 11 && most <= 4.,
+          column.name() + ": 10 increments, 4 iterations in each");
     check((column.is_turned ? error.of_metre : error.worst) <= 0.01,
           column.name() + ": stress");
     check(moves <= 1e-10, column.name() + ": at rest");
@@ -391,14 +402,19 @@ int
 main(int argc, char *argv[])
 {
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  const std::string                        what  = argc > 1 ? argv[1] : "";
-  const auto                               asked = [&](const char *name) {
+  const std::string                        what     = argc > 1 ? argv[1] : "";
+  bool                                     is_known = what.empty();
+  const auto                               asked    = [&](const char *name) {
+    is_known = is_known || what == name || what == "all";
     return what == name || what == "all";
   };
   if (what.empty())
     {
       check_column({96, false}, 50);
       check_column({96, true}, 10);
+    }
+  if (what.empty() || what == "all")
+    {
       check_triaxial();
       check_block();
     }
@@ -413,5 +429,6 @@ main(int argc, char *argv[])
   if (asked("collapse"))
     for (const double a : {0.5, 1., 2.})
       check_collapse(a, Settings(argv + std::min(argc, 2), argv + argc));
+  check(is_known, "a known name: columns, vibration, slope, collapse or all");
   return test::report();
 }

@@ -112,7 +112,7 @@ namespace
              (std::sin(radians(degrees)) - 0.5 * std::cos(radians(degrees))) *
              (t * t / 2. - 0.15 * t + 0.015);
     };
-    if (degrees > 26.)
+    if (std::tan(radians(degrees)) > 0.5)
       {
         // while gravity rises it bends into its place
         run.advance_to(0.3 - 1e-9);
@@ -140,7 +140,8 @@ namespace
                 0.005);
         at_most(what + ": slip, of the work of gravity",
                 run.ledger["friction_dissipation"] /
-                  std::abs(1000. * g * std::sin(radians(degrees)) * way(run)),
+                  std::abs(test::total_mass(run.scene) * g *
+                           std::sin(radians(degrees)) * way(run)),
                 0.02);
       }
     check_balance(run, what);

@@ -68,7 +68,7 @@ namespace emmy
     /** Of explicit steps; null with implicit ones. */
     std::unique_ptr<ExplicitForce<dim>>  explicit_force;
     Balance<dim>                         balance;         ///< all forces
-    std::unique_ptr<ShapeFunctions<dim>> shape_functions; ///< gIMP or linear
+    std::unique_ptr<ShapeFunctions<dim>> shape_functions; ///< GIMP or linear
     std::unique_ptr<DomainUpdate<dim>>   domain_update;   ///< GIMP only
     /** Where a step looks for its middle first; null: it has none. */
     std::unique_ptr<MiddlePlaces<dim>> middle;

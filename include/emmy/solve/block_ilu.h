@@ -41,7 +41,7 @@ namespace emmy
     void
     make(const Matrix &matrix);
 
-    /** z = P^-1 r. */
+    /** z = P r. */
     void
     vmult(Vector &z, const Vector &r) const;
 
