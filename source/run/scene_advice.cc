@@ -237,6 +237,10 @@ namespace emmy
     {
       const double in_cell = initial.totals.particles / double(counts.cells);
       line(out, "particles a cell") << brief(in_cell) << '\n';
+      if (in_cell < 1.5)
+        out << "  note: with one particle in a cell some motions of the nodes "
+               "have neither mass nor strain: Newton takes many iterations, "
+               "and may stall. Take 2 Points per direction\n";
       constexpr double enough = dim == 2 ? 16. : 64.;
       if (in_cell > 1.2 * enough)
         out << "  note: 4 particles in each direction of a cell are enough for "

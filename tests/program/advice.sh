@@ -81,5 +81,8 @@ end
 END
 has 'another body, as of <box> into <disc>' "$work/two.prm"
 lacks 'reach into another body' "$work/two.prm" --set "Bodies/box/Shape=box(1.5, 0.5; 2.5, 1.5)"
+has 'with one particle in a cell' "$work/two.prm" \
+  --set "Bodies/disc/Points per direction=1" --set "Bodies/box/Points per direction=1"
+lacks 'with one particle in a cell' "$work/two.prm"
 echo "$n checks"
 exit $failed
