@@ -31,11 +31,11 @@ count()
 # ghosts of MPI, entries that another rank owns, are none of ours
 count 'ghost stabilisation' 'ghost.?(stab|face|mass|effect|stiff|penal)' \
   'ghost_stabilisation|ghost_faces' 4
-# the choice, its threshold and its price; words of two remedies
+# the choice, its threshold and its price; words of two remedies; what --check tells
 count 'starved nodes' 'starved|aggregat' \
-  'starved_nodes|aggregation|roots' 9
-# examples in the words of --help
-count 'gravity' 'gravity' 'gravity|field_load|effect' 4
+  'starved_nodes|aggregation|roots' 10
+# examples in the words of --help, and of a comment
+count 'gravity' 'gravity' 'gravity|field_load|effect' 5
 count 'point load' 'point.?load' 'point_load|field_load' 2
 # the parameters, who makes them, words of a scene, the column of a picture
 count 'moving walls' 'moving.?wall|wall_(velocit|displace|travel)' 'moving_walls' 4
