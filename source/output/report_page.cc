@@ -12,6 +12,7 @@
 #include <fstream>
 #include <iterator>
 #include <optional>
+#include <set>
 
 namespace emmy
 {
@@ -68,8 +69,11 @@ namespace emmy
                     line.compare(0, 5, "Step ") != 0;
           if (is_card)
             card += line + '\n';
-          if (line.compare(0, 8, "stopped:") == 0)
+          if (line.compare(0, 8, "stopped:") == 0 ||
+              line.compare(0, 15, "interrupted by ") == 0)
             ended = line;
+          else if (line.compare(0, 15, "continued from ") == 0)
+            ended = "complete";
         }
       run["card"]  = card;
       run["ended"] = ended;
@@ -108,7 +112,12 @@ namespace emmy
         if (!columns.empty())
           run["measured"].push_back({{"name", name}, {"columns", columns}});
       };
-      group("Reactions", "reaction_");
+      // forces on sides, tools and held parts
+      std::set<std::string> forces;
+      for (const std::string &column : ledger.columns())
+        if (const auto end = column.find("_force_"); end != std::string::npos)
+          if (forces.insert(column.substr(0, end)).second)
+            group(column.substr(0, end), column.substr(0, end) + "_force_");
       for (const std::string &name : measurements)
         group(name, name + "_");
     }

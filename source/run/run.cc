@@ -229,10 +229,7 @@ namespace emmy
     /** The closing lines and timing.json. Collective. */
     template <int dim>
     std::string
-    close(const Parts<dim> &parts,
-          const StepReport &initial,
-          const SceneCard  &card,
-          Attempts         &attempt)
+    close(const Parts<dim> &parts, const SceneCard &card, Attempts &attempt)
     {
       Scene<dim>        &scene = parts.scene;
       std::ostringstream tail;
@@ -240,7 +237,6 @@ namespace emmy
       tell_of_overshoot(parts.parameters.time, parts.course.report.time, tail);
       summarise(tail,
                 parts.ledger,
-                initial,
                 parts.course.largest_energy,
                 scene.state.struggles);
       std::vector<EffectCard> present;
@@ -285,7 +281,6 @@ namespace emmy
     template <int dim>
     RunEnd
     run_parts(const Parts<dim> &parts,
-              const StepReport &initial,
               const SceneCard  &card,
               const RunOptions &options,
               std::ostream     &screen,
@@ -308,9 +303,11 @@ namespace emmy
                    options.restart && options.restart->is_failure,
                    is_interrupted,
                    attempt);
-      const std::string tail = close(parts, initial, card, attempt);
+      const std::string tail = close(parts, card, attempt);
       screen << tail << std::flush;
       log << tail << std::flush;
+      if (is_interrupted) // the report says so too
+        log << checkpoints.farewell() << std::endl;
       if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
         leave_report(parts, screen);
       attempt([&] {
@@ -323,7 +320,6 @@ namespace emmy
         std::rethrow_exception(attempt.failure);
       if (is_interrupted)
         {
-          log << checkpoints.farewell() << std::endl;
           AssertThrow(checkpoints.is_there(),
                       ExcRun("Interrupted",
                              checkpoints.farewell(),
@@ -438,7 +434,7 @@ namespace emmy
                            progress,
                            course};
 
-    return run_parts(parts, initial, card, options, screen, log);
+    return run_parts(parts, card, options, screen, log);
   }
 
   template RunEnd

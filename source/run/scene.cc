@@ -292,6 +292,14 @@ namespace emmy
   void
   Scene<dim>::add_initial_stress(StepReport &report)
   {
+    const auto &time = parameters.time;
+    if (time.is_static() && time.raised_loads.empty() &&
+        !parameters.effect_names.names.empty() &&
+        (has_initial_stress() || !parameters.start.from.empty()))
+      notes.push_back(
+        "bodies begin with a stress, and all loads are raised from zero, those "
+        "too that it balances. Remedy: Time/Raised loads = those that are new, "
+        "or none");
     if (!has_initial_stress())
       return;
     const double stored    = strain_energy<dim>(layout, grid, particles);

@@ -191,8 +191,11 @@ namespace emmy
     void
     require_raised_loads(const SceneParameters<dim> &parameters)
     {
-      const auto &names = parameters.effect_names.names;
-      for (const std::string &name : parameters.time.raised_loads)
+      const auto &names  = parameters.effect_names.names;
+      const auto &raised = parameters.time.raised_loads;
+      if (raised == std::vector<std::string>{"none"})
+        return; // no effect has that name
+      for (const std::string &name : raised)
         {
           const std::string nearest = nearest_name(name, names);
           AssertThrow(std::count(names.begin(), names.end(), name) > 0,
@@ -202,7 +205,8 @@ namespace emmy
                                    (nearest.empty()
                                       ? std::string()
                                       : "did you mean <" + nearest + ">? ") +
-                                     "It must be one of Effects/Names: " +
+                                     "It must be none, or one of "
+                                     "Effects/Names: " +
                                      join(names) + "."));
         }
     }

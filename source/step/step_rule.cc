@@ -44,7 +44,8 @@ namespace emmy
                   raised_loads,
                   "Of static steps: those of Effects/Names whose loads are "
                   "raised. Others act in full from the start, as the weight of "
-                  "bodies that are at rest under it already. Empty: all.",
+                  "bodies that are at rest under it already. none: all act in "
+                  "full. Empty: all are raised.",
                   prm,
                   dealii::Patterns::List(dealii::Patterns::Anything()));
     add_parameter("Stress update",

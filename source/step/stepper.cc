@@ -295,7 +295,9 @@ namespace emmy
     });
     if (!solution.newton.is_converged)
       return;
-    if (solution.in_middle->has_given_up())
+    if (solution.in_middle->has_given_up() &&
+        solution.in_middle->largest_defect() >
+          setting.method.geometry_tolerance)
       tell_of_held_places(solution);
     timed("velocity from momentum", [&] {
       velocity_from_momentum(solution.ground(),

@@ -197,6 +197,39 @@ namespace
           name + ": the log says so");
   }
 
+  /**
+   * Static steps: with none of the loads raised ground stays as it is; with
+   * all, its weight goes and comes again, and a note says so.
+   */
+  void
+  check_static_steps()
+  {
+    for (const bool is_raised : {false, true})
+      {
+        const SceneParameters<2> parameters(ParameterFile::from_text(
+          ground("set Model = Hencky\n",
+                 at_rest,
+                 "set Integrator = static\nset Increments = 4\n"
+                 "set End time = 1\n" +
+                   std::string(is_raised ? "" : "set Raised loads = none\n")),
+          "static"));
+        test::RunningScene<2>    run(parameters);
+        run.most_residual_work = 1.;
+        const double stored    = run.ledger["strain_energy"];
+        const bool   is_told   = std::any_of(
+          run.scene.notes.begin(), run.scene.notes.end(), [](const auto &note) {
+            return note.find("raised from zero") != std::string::npos;
+          });
+        check(is_told == is_raised, "static steps: a note if all is raised");
+        run.advance(1);
+        const double left = run.ledger["strain_energy"] / stored;
+        if (is_raised)
+          check(left < 0.5, "static steps: its weight is raised");
+        else
+          check_close(left, 1., 1e-12, "static steps: its weight acts");
+      }
+  }
+
   /** Half the stress that the weight asks for is far out of balance. */
   void
   check_imbalance()
@@ -281,6 +314,7 @@ main(int argc, char *argv[])
              "set Initial stress = formulas\n"
              "set Stress = 10e3*y; 20e3*y; 12e3*y; 0\n");
   check_imbalance();
+  check_static_steps();
   check_settlement();
 
   check_refused("set Model = von Mises\nset Yield stress = 1e3\n",

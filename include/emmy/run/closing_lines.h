@@ -20,11 +20,10 @@ namespace emmy
    * @param largest_energy of all steps, J
    */
   void
-  summarise(std::ostream     &out,
-            const Ledger     &ledger,
-            const StepReport &initial,
-            const double      largest_energy,
-            const Struggles  &struggles);
+  summarise(std::ostream    &out,
+            const Ledger    &ledger,
+            const double     largest_energy,
+            const Struggles &struggles);
 } // namespace emmy
 
 #endif
