@@ -208,7 +208,7 @@ namespace
       {
         const SceneParameters<2> parameters(ParameterFile::from_text(
           ground("set Model = Hencky\n",
-                 at_rest,
+                 at_rest + "set K0 = 0.5\n",
                  "set Integrator = static\nset Increments = 4\n"
                  "set End time = 1\n" +
                    std::string(is_raised ? "" : "set Raised loads = none\n")),
