@@ -123,6 +123,18 @@ namespace emmy
       return n;
     }
 
+    /** The least change from one value to the next, or 0; NaN if there is one.
+     */
+    inline double
+    least_change(const std::vector<double> &values)
+    {
+      double least = 0.;
+      for (unsigned int i = 1; i < values.size(); ++i)
+        if (!(values[i] - values[i - 1] >= least))
+          least = values[i] - values[i - 1];
+      return least;
+    }
+
     /** The largest magnitude; NaN if there is one. */
     inline double
     largest(const std::vector<double> &values)

@@ -168,6 +168,12 @@ namespace emmy
   }
 
   double
+  Ledger::energy_at_start() const
+  {
+    return energy_of(all_rows.front());
+  }
+
+  double
   Ledger::largest_energy() const
   {
     double largest = energy_of(all_rows.front());

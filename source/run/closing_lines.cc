@@ -9,22 +9,6 @@ namespace emmy
 {
   namespace
   {
-    /** Kinetic plus stored, J. */
-    double
-    energy_at_start(const Ledger &ledger)
-    {
-      const auto &names = ledger.columns();
-      const auto  value = [&](const std::string &name) {
-        return ledger.rows()
-          .front()[std::find(names.begin(), names.end(), name) - names.begin()];
-      };
-      double sum = value("kinetic_energy");
-      for (const EnergyEntry &entry : ledger.energies())
-        if (entry.kind == EnergyEntry::Kind::stored)
-          sum += value(entry.name);
-      return sum;
-    }
-
     /**
      * The work that solves left, J: its sum, and a line if that may matter.
      * The magnitudes of all steps are added, so that none hides another: a
@@ -83,7 +67,7 @@ namespace emmy
     out << "steps " << ledger["step"] << ", t = " << ledger["time"]
         << " s, time step " << smallest << " to " << largest << " s\n"
         << "kinetic + stored energy " << ledger.total_energy()
-        << " J, at the start " << energy_at_start(ledger) << " J\n";
+        << " J, at the start " << ledger.energy_at_start() << " J\n";
     tell_of_residuals(out, ledger, largest_energy);
     out << "balance error " << ledger["balance_error"] << " J";
     if (largest_energy > 0.)

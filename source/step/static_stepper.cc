@@ -156,6 +156,7 @@ namespace emmy
   {
     auto increment    = std::make_unique<Increment>();
     increment->ground = this->ground_at_start();
+    increment->time   = state.time;
     this->timed("particles to grid", [&] { renew_grid(increment->ground); });
     increment->ramp.names = setting.limits.raised_loads;
     if (!linear_solver)
@@ -215,7 +216,7 @@ namespace emmy
     const StepData<dim> step{increment.ground.stencils,
                              increment.ground.points,
                              *start,
-                             state.time,
+                             increment.time,
                              time_step,
                              &setting.phases,
                              nullptr,
@@ -379,12 +380,9 @@ namespace emmy
     unsigned int       rounds = 0;
     for (;; ++rounds)
       {
-        const auto   increment = begin();
-        const double end       = state.time;
-        state.time -= report.time_step; // amplitudes of the last increment
-        const bool is_prepared = prepare(*increment, 1., 1., report.time_step);
-        state.time             = end;
-        if (!is_prepared)
+        const auto increment = begin();
+        increment->time -= report.time_step; // amplitudes of the last increment
+        if (!prepare(*increment, 1., 1., report.time_step))
           break;
         StepEquation<dim> &equation = *increment->equation;
         left = equation.residual().l2_norm() / equation.system().scale;

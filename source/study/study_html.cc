@@ -35,19 +35,26 @@ img { max-width: 100%; }
 <body>
 )html";
 
-    /** Words of a line: marks of Markdown become those of HTML. */
     std::string
-    words(const std::string &line)
+    escaped(const std::string &line)
     {
       std::string text;
       for (const char letter : line)
         text += letter == '&'   ? "&amp;"
                 : letter == '<' ? "&lt;"
                 : letter == '>' ? "&gt;"
+                : letter == '"' ? "&quot;"
                                 : std::string(1, letter);
-      text =
-        std::regex_replace(text, std::regex("`([^`]+)`"), "<code>$1</code>");
-      return std::regex_replace(text,
+      return text;
+    }
+
+    /** Words of a line: marks of Markdown become those of HTML. */
+    std::string
+    words(const std::string &line)
+    {
+      return std::regex_replace(std::regex_replace(escaped(line),
+                                                   std::regex("`([^`]+)`"),
+                                                   "<code>$1</code>"),
                                 std::regex("\\*\\*([^*]+)\\*\\*"),
                                 "<b>$1</b>");
     }
@@ -61,7 +68,7 @@ img { max-width: 100%; }
                                              {}};
       if (bytes.empty())
         return "";
-      return "<p><img alt=\"" + words(name) +
+      return "<p><img alt=\"" + escaped(name) +
              "\" src=\"data:image/png;base64," +
              dealii::Utilities::encode_base64(bytes) + "\"></p>\n";
     }

@@ -16,17 +16,9 @@ build=$(cd "${1:-build}" && pwd)
 for program in "$build/emmy" "$build/tests/test_elastic_program"; do
   [ -x "$program" ] || { echo "no $program: build it first, with EMMY_TESTS=ON" >&2; exit 2; }
 done
-command -v valgrind >/dev/null || {
-  echo "this needs valgrind: apt-get install valgrind" >&2
-  exit 2
-}
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-trap 'exit 1' HUP INT TERM
+. "$(dirname "$0")/scratch.sh"
+need_valgrind
 cd "$work"
-# one rank that looks for no neighbours
-export OMPI_MCA_ess_singleton_isolated=1 OMPI_MCA_pml=ob1 OMPI_MCA_btl=self
-export OMP_NUM_THREADS=1 DEAL_II_NUM_THREADS=1
 
 few=4
 many=12

@@ -15,13 +15,8 @@ set -eu
 emmy=$(cd "${1:-build}" && pwd)/emmy
 repetitions=${2:-3}
 [ -x "$emmy" ] || { echo "no $emmy: build it first" >&2; exit 2; }
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-trap 'exit 1' HUP INT TERM
+. "$(dirname "$0")/scratch.sh"
 cd "$work"
-# one rank that looks for no neighbours
-export OMPI_MCA_ess_singleton_isolated=1 OMPI_MCA_pml=ob1 OMPI_MCA_btl=self
-export OMP_NUM_THREADS=1 DEAL_II_NUM_THREADS=1
 
 few=5
 many=45

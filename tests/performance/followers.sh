@@ -12,17 +12,9 @@ set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 build=$(cd "${1:-build}" && pwd)
 [ -x "$build/emmy" ] || { echo "no $build/emmy: build it first" >&2; exit 2; }
-command -v valgrind >/dev/null || {
-  echo "this needs valgrind: apt-get install valgrind" >&2
-  exit 2
-}
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-trap 'exit 1' HUP INT TERM
+. "$(dirname "$0")/scratch.sh"
+need_valgrind
 cd "$work"
-# one rank that looks for no neighbours
-export OMPI_MCA_ess_singleton_isolated=1 OMPI_MCA_pml=ob1 OMPI_MCA_btl=self
-export OMP_NUM_THREADS=1 DEAL_II_NUM_THREADS=1
 
 few=3
 many=9

@@ -11,11 +11,8 @@ set -eu
 emmy=${1:-build/emmy}
 [ -x "$emmy" ] || { echo "no $emmy: build it first" >&2; exit 2; }
 emmy=$(cd "$(dirname "$emmy")" && pwd)/$(basename "$emmy")
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-trap 'exit 1' HUP INT TERM
+. "$(dirname "$0")/scratch.sh"
 cd "$work"
-export OMP_NUM_THREADS=1 DEAL_II_NUM_THREADS=1
 
 # scene N: N x N discs, which move to the right, each in 4 x 4 cells
 scene()

@@ -14,11 +14,8 @@ other=$(cd "$2" && pwd)/emmy
 for program in "$one" "$other"; do
   [ -x "$program" ] || { echo "no $program: build it first" >&2; exit 2; }
 done
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-trap 'exit 1' HUP INT TERM
+. "$(dirname "$0")/scratch.sh"
 cd "$work"
-export OMP_NUM_THREADS=1 DEAL_II_NUM_THREADS=1
 status=0
 
 # compare FILE STEPS SETTINGS...

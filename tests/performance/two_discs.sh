@@ -13,11 +13,8 @@ set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 build=$(cd "${1:-build}" && pwd)
 [ -x "$build/emmy" ] || { echo "no $build/emmy: build it first" >&2; exit 2; }
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-trap 'exit 1' HUP INT TERM
+. "$(dirname "$0")/scratch.sh"
 cd "$work"
-export OMP_NUM_THREADS=1 DEAL_II_NUM_THREADS=1
 
 # discs SETTINGS...: touch, part, largest strain energy, that kept, balance,
 # iterations, end, energy there is

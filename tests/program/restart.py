@@ -214,6 +214,8 @@ def signals():
         step = int(rows("run")[-1]["step"])
         check(os.listdir("run/checkpoints") == [f"step-{step:08}"], f"{what}: checkpoint of the last row")
         check("interrupted by" in content("run/run.log").decode(), f"{what}: in the log")
+        report = content("run/report.html").decode()
+        check(f'"ended":"interrupted by {name} after step' in report, f"{what}: in the report")
         emmy("--restart", "run", "--set", f"Time/Maximum steps={step + 2}", ranks=ranks)
         check(last["status"] == 0, f"{what}: goes on")
         check([row["step"] for row in rows("run")] == list(range(step + 3)), f"{what}: no gap")

@@ -17,6 +17,7 @@
 #include <map>
 
 #include "../scene.h"
+#include "turned_lattice.h"
 
 using namespace emmy;
 using dealii::Point;
@@ -325,41 +326,6 @@ namespace
            shortest(nu) + "\n";
   }
 
-  /**
-   * As many points of a lattice turned by an angle as the upright lattice has
-   * in a box.
-   */
-  std::vector<Point<2>>
-  turned_lattice(const Point<2> &lower,
-                 const Point<2> &upper,
-                 const double    spacing,
-                 const double    angle)
-  {
-    const auto   n = std::size_t(std::round(
-      (upper[0] - lower[0]) * (upper[1] - lower[1]) / spacing / spacing));
-    const double c = std::cos(angle), s = std::sin(angle);
-    const int    reach = int(std::ceil(upper.distance(lower) / spacing)) + 1;
-    for (int attempt = 0; attempt < 10000; ++attempt)
-      {
-        const double shift_x = (attempt % 100) / 100. * spacing,
-                     shift_y = (attempt / 100) / 100. * spacing;
-        std::vector<Point<2>> points;
-        for (int i = -reach; i <= reach; ++i)
-          for (int j = -reach; j <= reach; ++j)
-            {
-              const double x = i * spacing + shift_x, y = j * spacing + shift_y;
-              const Point<2> p(lower[0] + c * x - s * y,
-                               lower[1] + s * x + c * y);
-              if (p[0] > lower[0] && p[0] < upper[0] && p[1] > lower[1] &&
-                  p[1] < upper[1])
-                points.push_back(p);
-            }
-        if (points.size() == n)
-          return points;
-      }
-    throw std::runtime_error("no turned lattice has as many points");
-  }
-
   /** 5 m high, one side free; the lattice of points is turned. */
   void
   turned_column(const double       degrees,
@@ -387,10 +353,10 @@ namespace
       /*band=*/0.5);
     if (degrees != 0.)
       {
-        const auto points = turned_lattice(Point<2>(0., 0.),
-                                           Point<2>(2., 5.),
-                                           h / 2.,
-                                           degrees * pi / 180.);
+        const auto points = test::turned_lattice(Point<2>(0., 0.),
+                                                 Point<2>(2., 5.),
+                                                 h / 2.,
+                                                 degrees * pi / 180.);
         column.place(
           [&](const Point<2> &, const std::size_t i) { return points[i]; });
       }

@@ -27,6 +27,7 @@
 #include <unistd.h>
 
 #include "../scene.h"
+#include "turned_lattice.h"
 
 using namespace emmy;
 using dealii::Point;
@@ -94,40 +95,10 @@ namespace
              (is_turned ? ", points turned by 30 degrees" : "");
     }
 
-    std::vector<Point<2>>
-    turned_points() const;
     /** The scene of prm/ground with this column. */
     ParameterFile
     file() const;
   };
-
-  std::vector<Point<2>>
-  Column::turned_points() const
-  {
-    const double spacing = 6. / n_cells, c = std::cos(pi / 6.),
-                 s = std::sin(pi / 6.);
-    const auto n =
-      std::size_t(std::round(width() * height / spacing / spacing));
-    const int reach = int(1.5 * height / spacing);
-    // a place of the lattice where as many points are inside
-    for (int attempt = 0; attempt < 1000; ++attempt)
-      {
-        const double x0 = attempt % 30 / 30. * spacing,
-                     y0 = attempt / 30 / 33. * spacing;
-        std::vector<Point<2>> points;
-        for (int i = -reach; i <= reach; ++i)
-          for (int j = -reach; j <= reach; ++j)
-            {
-              const Point<2> p(x0 + spacing * (c * i - s * j),
-                               y0 + spacing * (s * i + c * j));
-              if (p[0] > 0. && p[0] < width() && p[1] > 0. && p[1] < height)
-                points.push_back(p);
-            }
-        if (points.size() == n)
-          return points;
-      }
-    throw std::runtime_error("no turned lattice has as many points");
-  }
 
   ParameterFile
   Column::file() const
@@ -151,7 +122,8 @@ namespace
     const std::string table = folder() + "/points.csv";
     std::ofstream     out(table);
     out << "x, y, volume\n" << std::setprecision(17);
-    for (const auto &p : turned_points())
+    for (const auto &p : test::turned_lattice(
+           Point<2>(0., 0.), Point<2>(width(), height), 6. / n_cells, pi / 6.))
       out << p[0] << ", " << p[1] << ", " << 36. / n_cells / n_cells << '\n';
     scene.replace(scene.find("Shape = box"), 11, "Shape = particles");
     const auto box = scene.find("    subsection box");
@@ -180,6 +152,7 @@ namespace
     unsigned int       position = 0, rows = 0;
     while (std::getline(head, cell, ',') && cell != column)
       ++position;
+    check(cell == column, path + ": no column " + column);
     double result = 0.;
     for (; std::getline(file, line); ++rows)
       {

@@ -48,10 +48,7 @@ namespace
   void
   check_balance(const RunningScene<2> &run, const std::string &what)
   {
-    double scale = 0.;
-    for (const char *column :
-         {"kinetic_energy", "strain_energy", "contact_energy"})
-      scale = std::max(scale, test::largest(run.column(column)));
+    const double scale = run.ledger.largest_energy();
     at_most(what + ": balance",
             test::largest(run.column("balance_error")) / scale,
             1e-12);

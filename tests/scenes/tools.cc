@@ -63,21 +63,17 @@ namespace
   void
   check_balance(const RunningScene<dim> &run, const std::string &what)
   {
-    double scale = 0.;
-    for (const char *column :
-         {"kinetic_energy", "strain_energy", "contact_energy"})
-      scale = std::max(scale, test::largest(run.column(column)));
+    const double scale = run.ledger.largest_energy();
     at_most(what + ": balance",
             test::largest(run.column("balance_error")) / scale,
             1e-12);
     const auto &columns = run.ledger.columns();
     if (std::count(columns.begin(), columns.end(), "friction_dissipation") == 0)
       return;
-    const auto lost  = run.column("friction_dissipation");
-    double     least = 0.;
-    for (unsigned int row = 1; row < lost.size(); ++row)
-      least = std::min(least, lost[row] - lost[row - 1]);
-    at_most(what + ": slip that gives energy", -least / scale, 1e-15);
+    const auto lost = run.column("friction_dissipation");
+    at_most(what + ": slip that gives energy",
+            -test::least_change(lost) / scale,
+            1e-15);
   }
 
   void

@@ -88,6 +88,10 @@ namespace emmy
     double
     total_energy() const;
 
+    /** The same of the first row, J. */
+    double
+    energy_at_start() const;
+
     /** The largest of all rows, J. */
     double
     largest_energy() const;

@@ -86,6 +86,7 @@ namespace emmy
     {
       Ground<dim>                        ground;
       std::unique_ptr<StepEquation<dim>> equation;
+      double                             time      = 0.; ///< where it begins, s
       double                             time_step = 0.;
       LoadRamp                           ramp;
       Vector       load_before;     ///< that was balanced before, N
