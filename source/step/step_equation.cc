@@ -27,7 +27,7 @@ namespace emmy
     , free_residual(step.start.active->make_vector())
     , trial_states(std::move(trial_states))
   {
-    tangent.reinit(step.start.active->sparsity());
+    step.start.active->graph().reinit(tangent);
     if (balance.has_loads())
       step.start.active->add(balance.loads(step), external_force);
   }

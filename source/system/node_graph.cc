@@ -31,8 +31,71 @@ namespace emmy
     find_plain_nodes();
     find_neighbours(cliques);
     refuse_matrix_entries(dim * dim * neighbours.size(), communicator);
+    if (dealii::Utilities::MPI::n_mpi_processes(communicator) == 1)
+      return make_own_pattern(owned_dofs, communicator);
     make_pattern(owned_dofs, known_dofs, communicator);
     find_places();
+  }
+
+  template <int dim>
+  NodeGraph<dim>::NodeGraph() = default;
+
+  template <int dim>
+  NodeGraph<dim>::~NodeGraph() = default;
+
+  template <int dim>
+  void
+  NodeGraph<dim>::reinit(Matrix &matrix) const
+  {
+    if (own_pattern)
+      matrix.reinit(*own_pattern, /*copy_values=*/false);
+    else
+      matrix.reinit(sparsity);
+  }
+
+  template <int dim>
+  std::uint64_t
+  NodeGraph<dim>::n_nonzeros() const
+  {
+    return own_pattern ? own_pattern->Graph().NumMyNonzeros()
+                       : sparsity.n_nonzero_elements();
+  }
+
+  template <int dim>
+  void
+  NodeGraph<dim>::make_own_pattern(const dealii::IndexSet &owned_dofs,
+                                   const MPI_Comm          communicator)
+  {
+    // local indices are global ones: nothing is looked up, nothing sorted
+    const Epetra_Map map = owned_dofs.make_trilinos_map(communicator);
+    std::vector<int> lengths(dim * n_nodes());
+    places.resize(dim * neighbours.size());
+    for (unsigned int node = 0; node < n_nodes(); ++node)
+      {
+        std::fill_n(&lengths[unknown<dim>(node, 0)],
+                    dim,
+                    dim * (first[node + 1] - first[node]));
+        for (std::size_t k = first[node]; k < first[node + 1]; ++k)
+          for (unsigned int c = 0; c < dim; ++c)
+            places[dim * k + c] = dim * (k - first[node]) + c;
+      }
+    Epetra_CrsGraph graph(
+      Copy, map, map, lengths.data(), /*StaticProfile=*/true);
+    std::vector<int> columns;
+    for (unsigned int node = 0; node < n_nodes(); ++node)
+      {
+        columns.clear();
+        for (std::size_t k = first[node]; k < first[node + 1]; ++k)
+          for (unsigned int c = 0; c < dim; ++c)
+            columns.push_back(unknown<dim>(neighbours[k], c));
+        for (unsigned int c = 0; c < dim; ++c)
+          graph.InsertMyIndices(unknown<dim>(node, c),
+                                columns.size(),
+                                columns.data());
+      }
+    graph.FillComplete(map, map);
+    graph.OptimizeStorage();
+    own_pattern = std::make_unique<const Epetra_CrsMatrix>(View, graph);
   }
 
   template <int dim>
@@ -43,7 +106,7 @@ namespace emmy
     if (constraints.has_followers())
       for (unsigned int node = 0; node < first_dofs.size(); ++node)
         node_of_dof[first_dofs[node]] = node;
-    is_free.assign(dim * first_dofs.size(), true);
+    free_unknowns.assign(dim * first_dofs.size(), true);
     is_following.assign(dim * first_dofs.size(), false);
     for (unsigned int node = 0; node < first_dofs.size(); ++node)
       for (unsigned int c = 0; c < dim; ++c)
@@ -52,7 +115,7 @@ namespace emmy
             constraints.affine().get_constraint_entries(first_dofs[node] + c);
           if (!entries) // no condition
             continue;
-          is_free[unknown<dim>(node, c)] = false;
+          free_unknowns[unknown<dim>(node, c)] = false;
           if (entries->empty()) // fixed
             continue;
           is_following[unknown<dim>(node, c)] = true;
@@ -68,8 +131,8 @@ namespace emmy
   {
     is_plain.assign(first_dofs.size(), false);
     for (unsigned int node = 0; node < n_owned; ++node)
-      is_plain[node] = std::all_of(is_free.begin() + dim * node,
-                                   is_free.begin() + dim * (node + 1),
+      is_plain[node] = std::all_of(free_unknowns.begin() + dim * node,
+                                   free_unknowns.begin() + dim * (node + 1),
                                    [](const char free) { return free != 0; });
   }
 
@@ -77,8 +140,26 @@ namespace emmy
   void
   NodeGraph<dim>::find_neighbours(std::vector<Clique> cliques)
   {
+    // groups with GIMP lie in others that come after them
+    const unsigned int        n_nodes = first_dofs.size();
+    std::vector<unsigned int> in_last(n_nodes, 0);
+    unsigned int              n_kept = cliques.size();
+    for (unsigned int i = cliques.size(); i-- > 0;)
+      {
+        const unsigned int *const end = cliques[i].nodes + cliques[i].n;
+        if (n_kept < cliques.size() &&
+            std::all_of(cliques[i].nodes, end, [&](const unsigned int node) {
+              return in_last[node] == n_kept + 1;
+            }))
+          continue;
+        cliques[--n_kept] = cliques[i];
+        std::for_each(cliques[n_kept].nodes, end, [&](const unsigned int node) {
+          in_last[node] = n_kept + 1;
+        });
+      }
+    cliques.erase(cliques.begin(), cliques.begin() + n_kept);
+
     // a node that follows brings its roots along
-    const unsigned int                     n_nodes = first_dofs.size();
     std::vector<std::vector<unsigned int>> with_roots;
     with_roots.reserve(cliques.size());
     for (Clique &clique : cliques)
@@ -257,7 +338,7 @@ namespace emmy
     for (unsigned int i = 0; i < n; ++i)
       {
         shares[i].clear();
-        if (is_free[extended[i]])
+        if (free_unknowns[extended[i]])
           shares[i].emplace_back(i, 1.);
         if (!is_following[extended[i]])
           continue;
@@ -299,7 +380,7 @@ namespace emmy
       {
         condensed = block;
         for (unsigned int i = 0; i < n; ++i)
-          if (!is_free[unknowns[i]])
+          if (!free_unknowns[unknowns[i]])
             for (unsigned int j = 0; j < n; ++j)
               condensed(i, j) = condensed(j, i) = 0.;
       }
@@ -307,7 +388,7 @@ namespace emmy
       hand_to_roots(block);
     // an equation without couplings, of the size of the others
     for (unsigned int i = 0; i < n; ++i)
-      if (!is_free[unknowns[i]])
+      if (!free_unknowns[unknowns[i]])
         condensed(i, i) = block(i, i) != 0. ? std::abs(block(i, i)) : mean;
   }
 
@@ -319,7 +400,7 @@ namespace emmy
   {
     if (conditions == Conditions::left_out ||
         std::all_of(list.begin(), list.end(), [this](const unsigned int i) {
-          return is_free[i] != 0;
+          return free_unknowns[i] != 0;
         }))
       return scatter(list, block, matrix);
     condense(list, block);
@@ -371,22 +452,6 @@ namespace emmy
 
   template <int dim>
   void
-  ComponentBlocks::copy_to(dealii::FullMatrix<double> &matrix) const
-  {
-    matrix.reinit(dim * n_nodes, dim * n_nodes, true);
-    for (unsigned int i = 0; i < dim; ++i)
-      for (unsigned int j = 0; j < dim; ++j)
-        for (unsigned int a = 0; a < n_nodes; ++a)
-          {
-            const double *of_node = values + i * by_i + j * by_j + a * by_a;
-            double       *row     = &matrix(dim * a + i, 0);
-            for (unsigned int b = 0; b < n_nodes; ++b)
-              row[dim * b + j] = of_node[b];
-          }
-  }
-
-  template <int dim>
-  void
   NodeGraph<dim>::add_components(const unsigned int               *nodes,
                                  const dealii::FullMatrix<double> &nodal,
                                  const Conditions                  conditions,
@@ -420,76 +485,6 @@ namespace emmy
       }
   }
 
-  template <int dim>
-  BlockSum<dim>::BlockSum(const NodeGraph<dim> &graph, Matrix &matrix)
-    : graph(graph)
-    , matrix(matrix)
-    , index_of(graph.n_nodes(), dealii::numbers::invalid_unsigned_int)
-  {}
-
-  template <int dim>
-  void
-  BlockSum<dim>::add(const unsigned int *nodes, const ComponentBlocks &blocks)
-  {
-    const unsigned int n     = blocks.n_nodes;
-    unsigned int       n_new = 0;
-    for (unsigned int a = 0; a < n; ++a)
-      if (index_of[nodes[a]] == dealii::numbers::invalid_unsigned_int)
-        ++n_new;
-    if (members.size() + n_new > room)
-      flush();
-    if (members.empty())
-      {
-        room = std::max(most_nodes, n);
-        sum.assign(dim * dim * room * room, 0.);
-      }
-    indices.resize(n);
-    for (unsigned int a = 0; a < n; ++a)
-      {
-        unsigned int &index = index_of[nodes[a]];
-        if (index == dealii::numbers::invalid_unsigned_int)
-          {
-            index = members.size();
-            members.push_back(nodes[a]);
-          }
-        indices[a] = index;
-      }
-    for (unsigned int i = 0; i < dim; ++i)
-      for (unsigned int j = 0; j < dim; ++j)
-        for (unsigned int a = 0; a < n; ++a)
-          {
-            double *row = &sum[((i * dim + j) * room + indices[a]) * room];
-            const double *values = blocks.values + i * blocks.by_i +
-                                   j * blocks.by_j + a * blocks.by_a;
-            for (unsigned int b = 0; b < n; ++b)
-              row[indices[b]] += values[b];
-          }
-  }
-
-  template <int dim>
-  void
-  BlockSum<dim>::flush()
-  {
-    if (members.empty())
-      return;
-    graph.add(members.data(),
-              ComponentBlocks{sum.data(),
-                              static_cast<unsigned int>(members.size()),
-                              dim * room * room,
-                              room * room,
-                              room},
-              matrix);
-    for (const unsigned int node : members)
-      index_of[node] = dealii::numbers::invalid_unsigned_int;
-    members.clear();
-  }
-
-  template void
-  ComponentBlocks::copy_to<2>(dealii::FullMatrix<double> &) const;
-  template void
-  ComponentBlocks::copy_to<3>(dealii::FullMatrix<double> &) const;
   template class NodeGraph<2>;
   template class NodeGraph<3>;
-  template class BlockSum<2>;
-  template class BlockSum<3>;
 } // namespace emmy

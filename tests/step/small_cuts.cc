@@ -246,7 +246,8 @@ namespace
           };
         }
       const auto &start = particles_to_grid(stencils, points, couplings);
-      mass = diagnose(start.mass, stencils, points, layout, *start.active);
+      mass =
+        diagnose(examined_mass(start), stencils, points, layout, *start.active);
     }
   };
 

@@ -3,7 +3,7 @@
 // one another or have nothing in common, with unknowns that are fixed or
 // follow.
 
-#include <emmy/system/node_graph.h>
+#include <emmy/system/block_sum.h>
 
 #include "../check.h"
 
@@ -60,9 +60,9 @@ namespace
     graph.make(cliques, first_dofs, all, all, constraints, MPI_COMM_SELF);
 
     Matrix one_by_one, in_components, summed;
-    one_by_one.reinit(graph.pattern());
-    in_components.reinit(graph.pattern());
-    summed.reinit(graph.pattern());
+    graph.reinit(one_by_one);
+    graph.reinit(in_components);
+    graph.reinit(summed);
     BlockSum<dim> sum(graph, summed);
     double        largest = 0.;
     for (const auto &group : groups)

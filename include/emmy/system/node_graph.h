@@ -9,9 +9,13 @@
 #include <emmy/base/linear_algebra.h>
 #include <emmy/system/constraints.h>
 
+#include <cstdint>
+#include <memory>
 #include <unordered_map>
 #include <utility>
 #include <vector>
+
+class Epetra_CrsMatrix;
 
 namespace emmy
 {
@@ -60,6 +64,55 @@ namespace emmy
       return first_dofs.size();
     }
 
+    /** The nodes that a local node meets, sorted, itself among them; [first,
+     * first + n) of all pairs. */
+    struct Row
+    {
+      const unsigned int *nodes;
+      unsigned int        n;
+      std::size_t         first;
+    };
+    Row
+    row(const unsigned int node) const
+    {
+      return {neighbours.data() + first[node],
+              static_cast<unsigned int>(first[node + 1] - first[node]),
+              first[node]};
+    }
+    std::size_t
+    n_pairs() const
+    {
+      return neighbours.size();
+    }
+    /** Where component c of a pair's second node stands in the rows of the
+     * first, which is owned. */
+    unsigned int
+    place(const std::size_t pair, const unsigned int c) const
+    {
+      return places[dim * pair + c];
+    }
+    /** Whether a local unknown, dim * node + c, has no condition. */
+    bool
+    is_free(const unsigned int unknown) const
+    {
+      return free_unknowns[unknown] != 0;
+    }
+    /**
+     * Call function(unknown, weight) for those free unknowns of which a local
+     * one is a sum: itself, none, or the roots of a follower that are free.
+     */
+    template <class Function>
+    void
+    for_each_root(const unsigned int unknown, const Function &function) const
+    {
+      if (free_unknowns[unknown])
+        function(unknown, 1.);
+      else if (is_following[unknown])
+        for (const auto &[root, weight] : roots_of.at(unknown))
+          if (free_unknowns[root])
+            function(root, weight);
+    }
+
     /** Whether the conditions are worked into a matrix. */
     enum class Conditions
     {
@@ -68,8 +121,9 @@ namespace emmy
     };
 
     /** None. */
-    NodeGraph()                  = default;
+    NodeGraph();
     NodeGraph(const NodeGraph &) = delete;
+    ~NodeGraph();
 
     /**
      * Make it, and the pattern of the matrices. Once. Collective.
@@ -86,12 +140,13 @@ namespace emmy
          const Constraints                                  &constraints,
          const MPI_Comm                                      communicator);
 
-    /** For Trilinos' matrices. */
-    const dealii::TrilinosWrappers::SparsityPattern &
-    pattern() const
-    {
-      return sparsity;
-    }
+    /** Make a matrix on it, zero. Collective. */
+    void
+    reinit(Matrix &matrix) const;
+
+    /** How many entries a matrix has, over all ranks. Collective. */
+    std::uint64_t
+    n_nonzeros() const;
 
     /**
      * Add a matrix of the unknowns of some nodes that meet, with the
@@ -130,6 +185,10 @@ namespace emmy
     find_plain_nodes();
     void
     find_neighbours(std::vector<Clique> cliques);
+    /** On one rank, where places are known before. */
+    void
+    make_own_pattern(const dealii::IndexSet &owned_dofs,
+                     const MPI_Comm          communicator);
     void
     make_pattern(const dealii::IndexSet &owned_dofs,
                  const dealii::IndexSet &known_dofs,
@@ -167,7 +226,7 @@ namespace emmy
     unsigned int n_owned = 0; ///< nodes
     /** By local unknown: whether it has no condition, and whether it follows.
      */
-    std::vector<char> is_free, is_following;
+    std::vector<char> free_unknowns, is_following;
     /** By local node: whether it is owned, and no unknown has a condition. */
     std::vector<char>                        is_plain;
     std::unordered_map<unsigned int, Shares> roots_of;
@@ -177,7 +236,9 @@ namespace emmy
     std::vector<std::size_t>  first;
     std::vector<unsigned int> neighbours;
     /** Of the unknowns of the neighbours of owned nodes: index in the rows. */
-    std::vector<unsigned int>                 places;
+    std::vector<unsigned int> places;
+    /** The pattern on one rank, null on several; and on several. */
+    std::unique_ptr<const Epetra_CrsMatrix>   own_pattern;
     dealii::TrilinosWrappers::SparsityPattern sparsity;
 
     // work arrays of a call
@@ -190,43 +251,6 @@ namespace emmy
     mutable Dofs                                              dofs;
     mutable std::vector<Shares>                               shares;
     mutable dealii::FullMatrix<double> in_order, half_condensed, condensed;
-  };
-
-  /**
-   * Sums small matrices of nodes that are close to each other, before they are
-   * added to a matrix at once. Worth it where groups of nodes overlap: with
-   * GIMP every particle may have nodes of its own, and those of neighbours are
-   * almost the same.
-   */
-  template <int dim>
-  class BlockSum
-  {
-  public:
-    /** Adds blocks of nodes to a matrix. */
-    BlockSum(const NodeGraph<dim> &graph, Matrix &matrix);
-
-    /** As NodeGraph::add(). */
-    void
-    add(const unsigned int *nodes, const ComponentBlocks &blocks);
-
-    /** Hand over what is there; once after the last block. */
-    void
-    flush();
-
-  private:
-    /** Of the boxes of two cells' edge that particles of a cell's size reach.
-     */
-    static constexpr unsigned int most_nodes = dim == 2 ? 9 : 27;
-
-    const NodeGraph<dim>     &graph;
-    Matrix                   &matrix;
-    std::vector<unsigned int> members;
-    /** Of each local node: its index among the members, or none. */
-    std::vector<unsigned int> index_of;
-    std::vector<unsigned int> indices;
-    /** Room for so many nodes in the sum. */
-    unsigned int        room = 0;
-    std::vector<double> sum; ///< [((i dim + j) room + a) room + b]
   };
 } // namespace emmy
 
