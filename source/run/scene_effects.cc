@@ -150,7 +150,7 @@ namespace emmy
       AssertThrow(std::none_of(effects.terms.begin(),
                                effects.terms.end(),
                                [](const auto &term) {
-                                 return term->is_force() || term->couples();
+                                 return term->is_force() || term->coupling();
                                }),
                   ExcParameter("Time",
                                "Integrator",
