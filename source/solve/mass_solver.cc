@@ -255,7 +255,7 @@ namespace emmy
       }
     // far above round-off, far below what a ledger would show
     const double size = b.l2_norm();
-    if (!(left <= 1e-13 * (size > 0. ? size : scale)))
+    if (!(left <= 1e-14 * (size > 0. ? size : scale)))
       {
         result.is_solved = false;
         result.problem   = "the residual of the point-to-grid map stays at " +

@@ -305,17 +305,12 @@ namespace emmy
     for (unsigned int c = 0; c < dim; ++c)
       if (!is_plain)
         add_row_with_conditions(matrix, node, row_values, c);
-      else if (node < active->n_owned_nodes())
+      else
         {
-          double *entries = matrix.trilinos_matrix()[unknown<dim>(node, c)];
+          double *entries = graph.entries_of(unknown<dim>(node, c), matrix);
           for (unsigned int k = 0; k < row.n; ++k)
             entries[graph.place(row.first + k, c)] += row_values[k];
         }
-      else
-        for (unsigned int k = 0; k < row.n; ++k)
-          matrix.add(active->first_dof(node) + c,
-                     active->first_dof(row.nodes[k]) + c,
-                     row_values[k]);
   }
 
   template <int dim>
@@ -327,22 +322,16 @@ namespace emmy
   {
     const NodeGraph<dim> &graph = active->graph();
     const auto            row   = graph.row(node);
-    const unsigned int    n     = active->n_owned_nodes();
     const auto add = [&](const unsigned int i, const unsigned int j, double x) {
-      if (i / dim >= n)
-        return matrix.add(active->first_dof(i / dim) + i % dim,
-                          active->first_dof(j / dim) + j % dim,
-                          x);
       const auto        there = graph.row(i / dim);
       const std::size_t place =
         std::lower_bound(there.nodes, there.nodes + there.n, j / dim) -
         there.nodes;
-      matrix.trilinos_matrix()[i][graph.place(there.first + place, j % dim)] +=
+      graph.entries_of(i, matrix)[graph.place(there.first + place, j % dim)] +=
         x;
     };
     const unsigned int i = unknown<dim>(node, component);
-    double            *entries =
-      graph.is_free(i) && node < n ? matrix.trilinos_matrix()[i] : nullptr;
+    double *entries = graph.is_free(i) ? graph.entries_of(i, matrix) : nullptr;
     // C^T A C: followers hand over to their roots
     for (unsigned int k = 0; k < row.n; ++k)
       {

@@ -6,6 +6,7 @@
 #include <Epetra_CrsGraph.h>
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_Map.h>
+#include <Epetra_MpiComm.h>
 
 #include <algorithm>
 #include <map>
@@ -14,12 +15,55 @@ namespace emmy
 {
   using dealii::types::global_dof_index;
 
+  namespace
+  {
+    /**
+     * What matrices are made of. Collective.
+     * @param rows        columns of the owned nodes, sorted, in nodes
+     * @param column_dofs of each column, its first unknown
+     */
+    template <int dim>
+    std::unique_ptr<const Epetra_CrsMatrix>
+    pattern_of(const std::vector<std::vector<unsigned int>> &rows,
+               const std::vector<global_dof_index>          &column_dofs,
+               const dealii::IndexSet                       &owned_dofs,
+               const MPI_Comm                                communicator)
+    {
+      const Epetra_Map map = owned_dofs.make_trilinos_map(communicator);
+      std::vector<int> unknowns, lengths;
+      for (const global_dof_index dof : column_dofs)
+        for (unsigned int c = 0; c < dim; ++c)
+          unknowns.push_back(static_cast<int>(dof + c));
+      const Epetra_Map column_map(
+        -1, unknowns.size(), unknowns.data(), 0, map.Comm());
+      for (const std::vector<unsigned int> &row : rows)
+        lengths.insert(lengths.end(), dim, dim * row.size());
+      // local indices: nothing is looked up, nothing sorted
+      Epetra_CrsGraph graph(
+        Copy, map, column_map, lengths.data(), /*StaticProfile=*/true);
+      std::vector<int> columns;
+      for (unsigned int node = 0; node < rows.size(); ++node)
+        {
+          columns.clear();
+          for (const unsigned int column : rows[node])
+            for (unsigned int c = 0; c < dim; ++c)
+              columns.push_back(unknown<dim>(column, c));
+          for (unsigned int c = 0; c < dim; ++c)
+            graph.InsertMyIndices(unknown<dim>(node, c),
+                                  columns.size(),
+                                  columns.data());
+        }
+      graph.FillComplete(map, map);
+      graph.OptimizeStorage();
+      return std::make_unique<const Epetra_CrsMatrix>(View, graph);
+    }
+  } // namespace
+
   template <int dim>
   void
   NodeGraph<dim>::make(const std::vector<Clique> &cliques,
                        const Dofs                &first_dofs,
                        const dealii::IndexSet    &owned_dofs,
-                       const dealii::IndexSet    &known_dofs,
                        const Constraints         &constraints,
                        const MPI_Comm             communicator)
   {
@@ -31,10 +75,8 @@ namespace emmy
     find_plain_nodes();
     find_neighbours(cliques);
     refuse_matrix_entries(dim * dim * neighbours.size(), communicator);
-    if (dealii::Utilities::MPI::n_mpi_processes(communicator) == 1)
-      return make_own_pattern(owned_dofs, communicator);
-    make_pattern(owned_dofs, known_dofs, communicator);
-    find_places();
+    foreign.make(first_dofs, owned_dofs, first, neighbours, communicator);
+    make_pattern(owned_dofs, communicator);
   }
 
   template <int dim>
@@ -47,55 +89,32 @@ namespace emmy
   void
   NodeGraph<dim>::reinit(Matrix &matrix) const
   {
-    if (own_pattern)
-      matrix.reinit(*own_pattern, /*copy_values=*/false);
-    else
-      matrix.reinit(sparsity);
+    matrix.reinit(*pattern, /*copy_values=*/false);
+  }
+
+  template <int dim>
+  void
+  NodeGraph<dim>::clear(Matrix &matrix) const
+  {
+    const Epetra_CrsMatrix &entries = matrix.trilinos_matrix();
+    for (int row = 0; row < entries.NumMyRows(); ++row)
+      std::fill_n(entries[row], entries.NumMyEntries(row), 0.);
+  }
+
+  template <int dim>
+  void
+  NodeGraph<dim>::finish(Matrix &matrix) const
+  {
+    foreign.hand_over(matrix);
   }
 
   template <int dim>
   std::uint64_t
   NodeGraph<dim>::n_nonzeros() const
   {
-    return own_pattern ? own_pattern->Graph().NumMyNonzeros()
-                       : sparsity.n_nonzero_elements();
-  }
-
-  template <int dim>
-  void
-  NodeGraph<dim>::make_own_pattern(const dealii::IndexSet &owned_dofs,
-                                   const MPI_Comm          communicator)
-  {
-    // local indices are global ones: nothing is looked up, nothing sorted
-    const Epetra_Map map = owned_dofs.make_trilinos_map(communicator);
-    std::vector<int> lengths(dim * n_nodes());
-    places.resize(dim * neighbours.size());
-    for (unsigned int node = 0; node < n_nodes(); ++node)
-      {
-        std::fill_n(&lengths[unknown<dim>(node, 0)],
-                    dim,
-                    dim * (first[node + 1] - first[node]));
-        for (std::size_t k = first[node]; k < first[node + 1]; ++k)
-          for (unsigned int c = 0; c < dim; ++c)
-            places[dim * k + c] = dim * (k - first[node]) + c;
-      }
-    Epetra_CrsGraph graph(
-      Copy, map, map, lengths.data(), /*StaticProfile=*/true);
-    std::vector<int> columns;
-    for (unsigned int node = 0; node < n_nodes(); ++node)
-      {
-        columns.clear();
-        for (std::size_t k = first[node]; k < first[node + 1]; ++k)
-          for (unsigned int c = 0; c < dim; ++c)
-            columns.push_back(unknown<dim>(neighbours[k], c));
-        for (unsigned int c = 0; c < dim; ++c)
-          graph.InsertMyIndices(unknown<dim>(node, c),
-                                columns.size(),
-                                columns.data());
-      }
-    graph.FillComplete(map, map);
-    graph.OptimizeStorage();
-    own_pattern = std::make_unique<const Epetra_CrsMatrix>(View, graph);
+    return dealii::Utilities::MPI::sum(
+      static_cast<std::uint64_t>(pattern->NumMyNonzeros()),
+      dynamic_cast<const Epetra_MpiComm &>(pattern->Comm()).Comm());
   }
 
   template <int dim>
@@ -130,7 +149,7 @@ namespace emmy
   NodeGraph<dim>::find_plain_nodes()
   {
     is_plain.assign(first_dofs.size(), false);
-    for (unsigned int node = 0; node < n_owned; ++node)
+    for (unsigned int node = 0; node < first_dofs.size(); ++node)
       is_plain[node] = std::all_of(free_unknowns.begin() + dim * node,
                                    free_unknowns.begin() + dim * (node + 1),
                                    [](const char free) { return free != 0; });
@@ -202,65 +221,75 @@ namespace emmy
   }
 
   template <int dim>
-  void
-  NodeGraph<dim>::make_pattern(const dealii::IndexSet &owned_dofs,
-                               const dealii::IndexSet &known_dofs,
-                               const MPI_Comm          communicator)
+  std::vector<std::vector<unsigned int>>
+  NodeGraph<dim>::columns_of_others(const global_dof_index first_owned,
+                                    Dofs                  &column_dofs) const
   {
-    std::size_t longest = 0;
-    for (unsigned int node = 0; node + 1 < first.size(); ++node)
-      longest = std::max(longest, first[node + 1] - first[node]);
-    // deal.II 9.4 refuses a row length on a rank that owns no row
-    sparsity.reinit(owned_dofs,
-                    owned_dofs,
-                    known_dofs,
-                    communicator,
-                    n_owned > 0 ? dim * longest : 0);
-    for (unsigned int node = 0; node + 1 < first.size(); ++node)
+    std::map<global_dof_index, unsigned int> of_others;
+    for (unsigned int node = n_owned; node < first_dofs.size(); ++node)
+      of_others[first_dofs[node]] = node;
+    const auto column_of = [&](const global_dof_index dof) {
+      if (dof >= first_owned && dof < first_owned + dim * n_owned)
+        return static_cast<unsigned int>((dof - first_owned) / dim);
+      const auto [found, is_new] = of_others.insert({dof, column_dofs.size()});
+      if (is_new)
+        column_dofs.push_back(dof);
+      return found->second;
+    };
+    std::vector<std::vector<unsigned int>> result;
+    for (const auto &row : foreign.rows_of_others())
       {
-        dofs.clear();
-        for (std::size_t k = first[node]; k < first[node + 1]; ++k)
-          for (unsigned int c = 0; c < dim; ++c)
-            dofs.push_back(first_dofs[neighbours[k]] + c);
-        for (unsigned int c = 0; c < dim; ++c)
-          sparsity.add_entries(first_dofs[node] + c, dofs.begin(), dofs.end());
+        result.emplace_back();
+        for (const global_dof_index dof : row.columns)
+          result.back().push_back(column_of(dof));
       }
-    sparsity.compress();
+    return result;
   }
 
   template <int dim>
   void
-  NodeGraph<dim>::find_places()
+  NodeGraph<dim>::make_pattern(const dealii::IndexSet &owned_dofs,
+                               const MPI_Comm          communicator)
   {
-    const Epetra_CrsGraph &graph   = sparsity.trilinos_sparsity_pattern();
-    const Epetra_BlockMap &columns = graph.ColMap();
-    std::vector<int>       column_of(dim * first_dofs.size());
-    for (unsigned int i = 0; i < column_of.size(); ++i)
-      column_of[i] =
-        columns.LID(static_cast<int>(first_dofs[i / dim] + i % dim));
-
-    std::vector<unsigned int> place_of_column(columns.NumMyElements());
-    places.resize(dim * first[n_owned]);
+    // columns: the local nodes, then those that only other ranks have met
+    Dofs       column_dofs = first_dofs;
+    const auto of_others =
+      columns_of_others(n_owned > 0 ? *owned_dofs.begin() : global_dof_index(0),
+                        column_dofs);
+    std::vector<std::vector<unsigned int>> rows(n_owned);
     for (unsigned int node = 0; node < n_owned; ++node)
-      for (unsigned int c = 0; c < dim; ++c)
-        {
-          int n, *row;
-          graph.ExtractMyRowView(unknown<dim>(node, c), n, row);
-          for (int i = 0; i < n; ++i)
-            place_of_column[row[i]] = i;
-          for (std::size_t k = first[node]; k < first[node + 1]; ++k)
-            for (unsigned int d = 0; d < dim; ++d)
-              {
-                const int column = column_of[unknown<dim>(neighbours[k], d)];
-                const unsigned int place = place_of_column[column];
-                if (c == 0)
-                  places[dim * k + d] = place;
-                // all rows of a node have the same columns
-                AssertThrow(place == places[dim * k + d] &&
-                              row[place] == column,
-                            dealii::ExcInternalError());
-              }
-        }
+      rows[node].assign(neighbours.begin() + first[node],
+                        neighbours.begin() + first[node + 1]);
+    const auto &rows_of_others = foreign.rows_of_others();
+    for (std::size_t i = 0; i < of_others.size(); ++i)
+      {
+        auto &row = rows[rows_of_others[i].node];
+        row.insert(row.end(), of_others[i].begin(), of_others[i].end());
+      }
+    for (std::vector<unsigned int> &row : rows)
+      {
+        std::sort(row.begin(), row.end());
+        row.erase(std::unique(row.begin(), row.end()), row.end());
+      }
+    pattern = pattern_of<dim>(rows, column_dofs, owned_dofs, communicator);
+
+    const auto place_in = [](const std::vector<unsigned int> &row,
+                             const unsigned int               column) {
+      return std::lower_bound(row.begin(), row.end(), column) - row.begin();
+    };
+    places.resize(neighbours.size());
+    for (unsigned int node = 0; node < first_dofs.size(); ++node)
+      for (std::size_t k = first[node]; k < first[node + 1]; ++k)
+        places[k] = node < n_owned ? place_in(rows[node], neighbours[k])
+                                   : k - first[node];
+    for (std::size_t i = 0; i < of_others.size(); ++i)
+      {
+        std::vector<unsigned int> places_of_row;
+        for (const unsigned int column : of_others[i])
+          places_of_row.push_back(
+            place_in(rows[rows_of_others[i].node], column));
+        foreign.set_places(i, std::move(places_of_row));
+      }
   }
 
   template <int dim>
@@ -276,9 +305,9 @@ namespace emmy
     row_places.clear();
     for (unsigned int j = 0; j < unknowns.size(); ++j)
       if (marked_by[unknowns[j] / dim] == node)
-        row_places.emplace_back(
-          j,
-          places[dim * place_of_node[unknowns[j] / dim] + unknowns[j] % dim]);
+        row_places.emplace_back(j,
+                                place(place_of_node[unknowns[j] / dim],
+                                      unknowns[j] % dim));
   }
 
   template <int dim>
@@ -295,7 +324,15 @@ namespace emmy
     node_places.clear();
     for (unsigned int b = 0; b < n; ++b)
       if (marked_by[nodes[b]] == node)
-        node_places.emplace_back(b, dim * place_of_node[nodes[b]]);
+        node_places.emplace_back(b, place(place_of_node[nodes[b]], 0));
+  }
+
+  template <int dim>
+  double *
+  NodeGraph<dim>::entries_of(const unsigned int unknown, Matrix &matrix) const
+  {
+    return unknown / dim < n_owned ? matrix.trilinos_matrix()[unknown]
+                                   : foreign.row(unknown / dim, unknown % dim);
   }
 
   template <int dim>
@@ -304,25 +341,15 @@ namespace emmy
                           const dealii::FullMatrix<double> &block,
                           Matrix                           &matrix) const
   {
-    const std::size_t n = unknowns.size();
-    dofs.clear();
     unsigned int last_node = dealii::numbers::invalid_unsigned_int;
-    for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t i = 0; i < unknowns.size(); ++i)
       {
         const unsigned int node   = unknowns[i] / dim;
         const double      *values = &block(i, 0);
-        if (node >= n_owned)
-          {
-            if (dofs.empty())
-              for (const unsigned int unknown : unknowns)
-                dofs.push_back(first_dofs[unknown / dim] + unknown % dim);
-            matrix.add(dofs[i], n, dofs.data(), values);
-            continue;
-          }
         if (node != last_node)
           find_places_in_rows(node, unknowns);
         last_node   = node;
-        double *row = matrix.trilinos_matrix()[unknowns[i]];
+        double *row = entries_of(unknowns[i], matrix);
         for (const auto &[j, place] : row_places)
           row[place] += values[j];
       }
@@ -440,12 +467,12 @@ namespace emmy
         find_places_of(nodes[a], nodes, n);
         for (unsigned int i = 0; i < dim; ++i)
           {
-            double *row = matrix.trilinos_matrix()[unknown<dim>(nodes[a], i)];
+            double       *row = entries_of(unknown<dim>(nodes[a], i), matrix);
             const double *values =
               blocks.values + i * blocks.by_i + a * blocks.by_a;
             for (const auto &[b, place] : node_places)
               for (unsigned int j = 0; j < dim; ++j)
-                row[places[place + j]] += values[j * blocks.by_j + b];
+                row[place + j] += values[j * blocks.by_j + b];
           }
       }
   }
@@ -458,9 +485,9 @@ namespace emmy
                                  Matrix                           &matrix) const
   {
     const unsigned int n = nodal.m();
-    if (std::all_of(nodes, nodes + n, [&](const unsigned int node) {
-          return conditions == Conditions::left_out ? node < n_owned
-                                                    : is_plain[node] != 0;
+    if (conditions == Conditions::left_out ||
+        std::all_of(nodes, nodes + n, [&](const unsigned int node) {
+          return is_plain[node] != 0;
         }))
       {
         for (unsigned int a = 0; a < n; ++a)
@@ -468,10 +495,9 @@ namespace emmy
             find_places_of(nodes[a], nodes, n);
             for (unsigned int c = 0; c < dim; ++c)
               {
-                double *row =
-                  matrix.trilinos_matrix()[unknown<dim>(nodes[a], c)];
+                double *row = entries_of(unknown<dim>(nodes[a], c), matrix);
                 for (const auto &[b, place] : node_places)
-                  row[places[place + c]] += nodal(a, b);
+                  row[place + c] += nodal(a, b);
               }
           }
         return;

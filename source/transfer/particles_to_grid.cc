@@ -81,7 +81,7 @@ namespace emmy
                       conditions,
                       damped == Damped::yes ? start.damping
                                             : std::vector<double>());
-    result.compress(dealii::VectorOperation::add);
+    start.active->graph().finish(result);
     return result;
   }
 

@@ -7,6 +7,8 @@
 
 #include <emmy/effects/ghost_stabilisation.h>
 #include <emmy/material/hencky.h>
+#include <deal.II/lac/trilinos_sparsity_pattern.h>
+
 #include <emmy/step/small_cuts.h>
 
 #include "../check.h"

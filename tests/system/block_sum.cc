@@ -57,7 +57,7 @@ namespace
     for (unsigned int node = 0; node < n_nodes; ++node)
       first_dofs.push_back(dim * node);
     NodeGraph<dim> graph;
-    graph.make(cliques, first_dofs, all, all, constraints, MPI_COMM_SELF);
+    graph.make(cliques, first_dofs, all, constraints, MPI_COMM_SELF);
 
     Matrix one_by_one, in_components, summed;
     graph.reinit(one_by_one);
@@ -88,9 +88,9 @@ namespace
         sum.add(group.data(), blocks);
       }
     sum.flush();
-    one_by_one.compress(dealii::VectorOperation::add);
-    in_components.compress(dealii::VectorOperation::add);
-    summed.compress(dealii::VectorOperation::add);
+    graph.finish(one_by_one);
+    graph.finish(in_components);
+    graph.finish(summed);
     largest = one_by_one.linfty_norm();
     in_components.add(-1., one_by_one);
     test::check_close(in_components.linfty_norm(),

@@ -227,7 +227,7 @@ namespace emmy
 
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> node_partition,
       dof_partition;
-    dealii::IndexSet owned_dofs, known_dofs;
+    dealii::IndexSet owned_dofs;
     Constraints      conditions;
     NodeGraph<dim>   node_graph;
     /** What make_vector() copies. */

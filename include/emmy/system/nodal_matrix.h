@@ -81,8 +81,7 @@ namespace emmy
     matrix_norm_square(const Vector &v) const;
 
     /**
-     * Add a multiple to a matrix of all unknowns, which is to be compressed
-     * afterwards.
+     * Add a multiple to a matrix of all unknowns, before NodeGraph::finish().
      * @param damping this rank's share of what comes to the diagonal, by local
      *   node; empty: nothing
      */

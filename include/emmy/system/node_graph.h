@@ -4,10 +4,10 @@
 #include <deal.II/base/index_set.h>
 
 #include <deal.II/lac/full_matrix.h>
-#include <deal.II/lac/trilinos_sparsity_pattern.h>
 
 #include <emmy/base/linear_algebra.h>
 #include <emmy/system/constraints.h>
+#include <emmy/system/foreign_rows.h>
 
 #include <cstdint>
 #include <memory>
@@ -41,10 +41,9 @@ namespace emmy
    * Which nodes of an active grid meet in its matrices, and where their
    * entries stand. Nodes are local indices; dim unknowns follow each other at
    * a node, and all of them meet. Small matrices of nodes that meet are added
-   * straight at their places, without a search; rows that another rank owns go
-   * through deal.II.
+   * straight at their places, without a search.
    *
-   * Owned by ActiveGrid. Cost: dim + 1 numbers for each pair of nodes.
+   * Owned by ActiveGrid. Cost: two numbers for each pair of nodes.
    */
   template <int dim>
   class NodeGraph
@@ -85,12 +84,15 @@ namespace emmy
       return neighbours.size();
     }
     /** Where component c of a pair's second node stands in the rows of the
-     * first, which is owned. */
+     * first. */
     unsigned int
     place(const std::size_t pair, const unsigned int c) const
     {
-      return places[dim * pair + c];
+      return dim * places[pair] + c;
     }
+    /** What is added to the row of a local unknown. */
+    double *
+    entries_of(const unsigned int unknown, Matrix &matrix) const;
     /** Whether a local unknown, dim * node + c, has no condition. */
     bool
     is_free(const unsigned int unknown) const
@@ -130,19 +132,26 @@ namespace emmy
      * @param cliques     of this rank; followers bring their roots along
      * @param first_dofs  of each local node; owned nodes come first
      * @param owned_dofs  those of this rank, without gaps
-     * @param known_dofs  those of all local nodes
      */
     void
     make(const std::vector<Clique>                          &cliques,
          const std::vector<dealii::types::global_dof_index> &first_dofs,
          const dealii::IndexSet                             &owned_dofs,
-         const dealii::IndexSet                             &known_dofs,
          const Constraints                                  &constraints,
          const MPI_Comm                                      communicator);
 
     /** Make a matrix on it, zero. Collective. */
     void
     reinit(Matrix &matrix) const;
+    /** Set a matrix to zero. */
+    void
+    clear(Matrix &matrix) const;
+    /**
+     * After the last block of a matrix, before the first one of another: what
+     * belongs to rows of other ranks goes there. Collective.
+     */
+    void
+    finish(Matrix &matrix) const;
 
     /** How many entries a matrix has, over all ranks. Collective. */
     std::uint64_t
@@ -185,16 +194,16 @@ namespace emmy
     find_plain_nodes();
     void
     find_neighbours(std::vector<Clique> cliques);
-    /** On one rank, where places are known before. */
-    void
-    make_own_pattern(const dealii::IndexSet &owned_dofs,
-                     const MPI_Comm          communicator);
+    /**
+     * Of the rows to which other ranks add: columns of the matrix, in nodes.
+     * @param column_dofs those that no local node is are appended
+     */
+    std::vector<std::vector<unsigned int>>
+    columns_of_others(const dealii::types::global_dof_index first_owned,
+                      Dofs                                 &column_dofs) const;
     void
     make_pattern(const dealii::IndexSet &owned_dofs,
-                 const dealii::IndexSet &known_dofs,
                  const MPI_Comm          communicator);
-    void
-    find_places();
 
     /** Add a matrix of the unknowns in list. */
     void
@@ -227,7 +236,7 @@ namespace emmy
     /** By local unknown: whether it has no condition, and whether it follows.
      */
     std::vector<char> free_unknowns, is_following;
-    /** By local node: whether it is owned, and no unknown has a condition. */
+    /** By local node: whether no unknown has a condition. */
     std::vector<char>                        is_plain;
     std::unordered_map<unsigned int, Shares> roots_of;
 
@@ -235,11 +244,11 @@ namespace emmy
      */
     std::vector<std::size_t>  first;
     std::vector<unsigned int> neighbours;
-    /** Of the unknowns of the neighbours of owned nodes: index in the rows. */
-    std::vector<unsigned int> places;
-    /** The pattern on one rank, null on several; and on several. */
-    std::unique_ptr<const Epetra_CrsMatrix>   own_pattern;
-    dealii::TrilinosWrappers::SparsityPattern sparsity;
+    /** Of each pair: where its second node stands in the rows of the first,
+     * in nodes. */
+    std::vector<unsigned int>               places;
+    ForeignRows<dim>                        foreign;
+    std::unique_ptr<const Epetra_CrsMatrix> pattern;
 
     // work arrays of a call
     mutable std::vector<unsigned int> place_of_node, marked_by;
@@ -248,7 +257,6 @@ namespace emmy
     /** Index among nodes, and where in places, of those that a node meets. */
     mutable std::vector<std::pair<unsigned int, std::size_t>> node_places;
     mutable Unknowns                                          list, extended;
-    mutable Dofs                                              dofs;
     mutable std::vector<Shares>                               shares;
     mutable dealii::FullMatrix<double> in_order, half_condensed, condensed;
   };

@@ -87,7 +87,7 @@ namespace emmy
 
     /**
      * Add the damped mass with the constraints worked in, times a factor, to a
-     * matrix of the unknowns, which is to be compressed afterwards.
+     * matrix of the unknowns, before NodeGraph::finish().
      */
     void
     add_mass_to(Matrix &jacobian, const double factor) const
