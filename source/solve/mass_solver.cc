@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace emmy
 {
@@ -150,28 +151,39 @@ namespace emmy
   }
 
   template <int dim>
-  typename MassSolver<dim>::Components
-  MassSolver<dim>::products(const Values &a, const Values &b) const
+  std::pair<typename MassSolver<dim>::Components,
+            typename MassSolver<dim>::Components>
+  MassSolver<dim>::products(const Values &a,
+                            const Values &b,
+                            const Values &c) const
   {
-    std::vector<double> sums(dim, 0.);
+    std::vector<double> sums(2 * dim, 0.);
     for (unsigned int i = 0; i < stride * mass.grid().n_owned_nodes();
          i += stride)
-      for (unsigned int c = 0; c < dim; ++c)
-        sums[c] += a[i + c] * b[i + c];
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          sums[d] += a[i + d] * b[i + d];
+          sums[dim + d] += a[i + d] * c[i + d];
+        }
     dealii::Utilities::MPI::sum(sums, mass.grid().communicator(), sums);
-    Components result{};
-    std::copy(sums.begin(), sums.end(), result.begin());
+    std::pair<Components, Components> result;
+    std::copy_n(sums.begin(), dim, result.first.begin());
+    std::copy_n(sums.begin() + dim, dim, result.second.begin());
     return result;
+  }
+
+  template <int dim>
+  double
+  MassSolver<dim>::total(const Components &components)
+  {
+    return std::accumulate(components.begin(), components.end(), 0.);
   }
 
   template <int dim>
   double
   MassSolver<dim>::norm(const Values &values) const
   {
-    double sum = 0.;
-    for (const double square : products(values, values))
-      sum += square;
-    return std::sqrt(sum);
+    return std::sqrt(total(products(values, values, values).first));
   }
 
   template <int dim>
@@ -185,14 +197,16 @@ namespace emmy
     Components rz{};
     for (unsigned int iteration = 0;; ++iteration)
       {
-        if (norm(r) <= goal)
-          return iteration;
-        if (iteration == most)
-          return most + 1;
+        // with one sweep too many, and one sum over the ranks less each time
         mass.sweep(inverse, r, z);
         share(z);
         const Components rz_before = rz;
-        rz                         = products(r, z);
+        const auto [of_z, of_r]    = products(r, z, r);
+        rz                         = of_z;
+        if (std::sqrt(total(of_r)) <= goal)
+          return iteration;
+        if (iteration == most)
+          return most + 1;
         Components beta{}, alpha{};
         for (unsigned int c = 0; c < dim; ++c)
           if (rz_before[c] > 0.)
@@ -203,7 +217,7 @@ namespace emmy
         expand(p);
         mass.multiply(p, q);
         condense(q);
-        const Components pq = products(p, q);
+        const Components pq = products(p, q, q).first;
         for (unsigned int c = 0; c < dim; ++c)
           if (pq[c] > 0.)
             alpha[c] = rz[c] / pq[c];

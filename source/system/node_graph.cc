@@ -112,6 +112,8 @@ namespace emmy
   std::uint64_t
   NodeGraph<dim>::n_nonzeros() const
   {
+    if (!pattern)
+      return 0;
     return dealii::Utilities::MPI::sum(
       static_cast<std::uint64_t>(pattern->NumMyNonzeros()),
       dynamic_cast<const Epetra_MpiComm &>(pattern->Comm()).Comm());

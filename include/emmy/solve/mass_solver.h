@@ -5,6 +5,7 @@
 #include <emmy/system/nodal_matrix.h>
 
 #include <array>
+#include <utility>
 #include <vector>
 
 namespace emmy
@@ -79,9 +80,11 @@ namespace emmy
     /** b - M x, condensed. */
     Values
     residual(const Values &x, const Values &b) const;
-    /** Products over owned unknowns, by component. */
-    Components
-    products(const Values &a, const Values &b) const;
+    /** a . b and a . c, by component. Collective. */
+    std::pair<Components, Components>
+    products(const Values &a, const Values &b, const Values &c) const;
+    static double
+    total(const Components &components);
     double
     norm(const Values &values) const;
     /**
