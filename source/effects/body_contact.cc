@@ -90,7 +90,7 @@ namespace emmy
 
   template <int dim>
   std::vector<double>
-  BodyContact<dim>::memory() const
+  BodyContact<dim>::contents() const
   {
     std::vector<double> result{margin};
     for (const auto &[key, spring] : springs)

@@ -62,10 +62,10 @@ namespace emmy
   {}
 
   template <int dim>
-  bool
-  GhostStabilisation<dim>::couples() const
+  NodeCoupling<dim> *
+  GhostStabilisation<dim>::coupling()
   {
-    return true;
+    return this;
   }
 
   template <int dim>

@@ -59,7 +59,7 @@ namespace emmy
     step.start.mass.vmult(inertia, acceleration);
     force += inertia;
     if (jacobian)
-      jacobian->add(inertia_factor(step.time_step), step.start.damped_mass);
+      step.start.add_mass_to(*jacobian, inertia_factor(step.time_step));
     return "";
   }
 

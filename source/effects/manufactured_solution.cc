@@ -29,7 +29,7 @@ namespace emmy
 
     /** f_A = sum S_Ap m_p b(X_p, t + dt/2), as the mid-point rule wants it. */
     template <int dim>
-    class ExactLoad : public Effect<dim>
+    class ExactLoad : public Effect<dim>, public Load<dim>
     {
     public:
       ExactLoad(SharedMotion<dim>                  motion,
@@ -42,10 +42,10 @@ namespace emmy
         , mass(mass)
       {}
 
-      bool
-      is_load() const override
+      const Load<dim> *
+      load() const override
       {
-        return true;
+        return this;
       }
 
       void
@@ -167,7 +167,7 @@ namespace emmy
 
     /** How far particles are from the motion. */
     template <int dim>
-    class ExactError : public Effect<dim>
+    class ExactError : public Effect<dim>, public StepMeasures<dim>
     {
     public:
       ExactError(SharedMotion<dim>  motion,
@@ -180,10 +180,10 @@ namespace emmy
         , volume(volume)
       {}
 
-      bool
-      measures() const override
+      StepMeasures<dim> *
+      measures() override
       {
-        return true;
+        return this;
       }
 
       std::vector<StepMeasure>

@@ -1,6 +1,7 @@
 #include <emmy/effects/cell_products.h>
 #include <emmy/effects/mean_dilatation.h>
 #include <emmy/effects/moving_places.h>
+#include <emmy/system/block_sum.h>
 
 #include <algorithm>
 

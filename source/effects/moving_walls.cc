@@ -197,7 +197,7 @@ namespace emmy
 
   template <int dim>
   std::vector<double>
-  MovingWalls<dim>::memory() const
+  MovingWalls<dim>::contents() const
   {
     std::vector<double> numbers;
     for (const dealii::Tensor<1, dim> &of_side : travel)

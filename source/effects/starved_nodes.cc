@@ -28,10 +28,10 @@ namespace emmy
   }
 
   template <int dim>
-  bool
-  StarvedNodes<dim>::couples() const
+  NodeCoupling<dim> *
+  StarvedNodes<dim>::coupling()
   {
-    return true;
+    return this;
   }
 
   template <int dim>
@@ -62,10 +62,10 @@ namespace emmy
   }
 
   template <int dim>
-  bool
-  StarvedNodes<dim>::measures() const
+  StepMeasures<dim> *
+  StarvedNodes<dim>::measures()
   {
-    return true;
+    return this;
   }
 
   template <int dim>
@@ -96,7 +96,7 @@ namespace emmy
 
   template <int dim>
   std::vector<double>
-  StarvedNodes<dim>::memory() const
+  StarvedNodes<dim>::contents() const
   {
     std::vector<double> result{double(most_kept), largest_weight};
     for (const auto &[node, is_fed] : classes_before.active)

@@ -239,7 +239,7 @@ namespace emmy
 
   template <int dim>
   std::vector<double>
-  Tools<dim>::memory() const
+  Tools<dim>::contents() const
   {
     std::vector<double> result{told_depth};
     for (unsigned int t = 0; t < tools.size(); ++t)

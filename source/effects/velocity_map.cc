@@ -16,8 +16,9 @@ namespace emmy
     constraints.set_zero(velocity);
     velocity += given;
     constraints.expand(velocity);
-    const bool is_solved = solve(start.damped_mass, constraints, velocity);
-    start.velocity       = std::move(velocity);
+    const bool is_solved =
+      solve(NodalMatrix<dim>::Conditions::worked_in, velocity);
+    start.velocity = std::move(velocity);
     return is_solved;
   }
 

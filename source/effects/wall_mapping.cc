@@ -1,13 +1,10 @@
 #include <emmy/effects/wall_mapping.h>
-#include <emmy/transfer/mass_blocks.h>
 
 namespace emmy
 {
   template <int dim>
-  WallMapping<dim>::WallMapping(const std::string &kind,
-                                const unsigned int mass_component)
+  WallMapping<dim>::WallMapping(const std::string &kind)
     : is_inelastic(kind == "inelastic")
-    , mass_component(mass_component)
   {}
 
   template <int dim>
@@ -24,13 +21,11 @@ namespace emmy
     EffectCard card;
     card.name       = name(kind);
     card.setting    = "Method/Wall mapping = " + kind;
-    card.enters     = "velocity from momentum: one more mass matrix";
-    card.n_matrices = 1;
+    card.enters     = "velocity from momentum";
     card.is_present = is_present;
     if (kind == "inelastic")
       {
-        card.enters = "velocity from momentum: a second solve, with one more "
-                      "mass matrix";
+        card.enters         = "velocity from momentum: a second solve";
         card.ledger_columns = {"wall_loss"};
       }
     return card;
@@ -44,33 +39,6 @@ namespace emmy
   }
 
   template <int dim>
-  void
-  WallMapping<dim>::assemble_mass(const StepData<dim> &step)
-  {
-    using Conditions = typename NodeGraph<dim>::Conditions;
-    if (active != step.start.active)
-      {
-        active = step.start.active;
-        damped_mass.reinit(active->sparsity());
-      }
-    damped_mass = 0.;
-    for_each_mass_block<dim>(step.stencils,
-                             step.points.component(mass_component),
-                             step.start,
-                             /*phases=*/nullptr, // all is the walls'
-                             [&](MassBlock &block) {
-                               for (unsigned int a = 0; a < block.mass.m(); ++a)
-                                 block.mass(a, a) += block.damping[a];
-                               active->graph().add_components(
-                                 block.nodes,
-                                 block.mass,
-                                 Conditions::left_out,
-                                 damped_mass);
-                             });
-    damped_mass.compress(dealii::VectorOperation::add);
-  }
-
-  template <int dim>
   bool
   WallMapping<dim>::find(const StepData<dim>                    &step,
                          const Vector                           &given,
@@ -79,17 +47,12 @@ namespace emmy
   {
     if (is_inelastic && !VelocityMap<dim>::find(step, given, solve, start))
       return false;
-    {
-      const auto timed =
-        effect_scope(step.phases,
-                     name(is_inelastic ? "inelastic" : "unconstrained"));
-      assemble_mass(step);
-    }
     // the only solve of unconstrained walls is none too many
     const auto timed =
       effect_scope(is_inelastic ? step.phases : nullptr, name("inelastic"));
-    Vector     velocity  = start.mean_velocity;
-    const bool is_solved = solve(damped_mass, Constraints(), velocity);
+    Vector     velocity = start.mean_velocity;
+    const bool is_solved =
+      solve(NodalMatrix<dim>::Conditions::left_out, velocity);
     if (!is_inelastic)
       start.velocity = Vector(velocity);
     mapped_velocity = std::move(velocity);

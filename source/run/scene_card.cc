@@ -40,9 +40,9 @@ namespace emmy
         , named(parameters.effect_names.names)
       {
         card.nonzeros =
-          scene.stepper->grid_start().active->sparsity().n_nonzero_elements();
-        // mass, damped mass and tangent
-        card.n_matrices = scene.explicit_force ? 0 : 3;
+          scene.stepper->grid_start().active->graph().n_nonzeros();
+        // the tangent; the mass has a number for a pair of nodes
+        card.n_matrices = scene.explicit_force ? 0 : 1;
         card.n_points = dealii::Utilities::MPI::sum(static_cast<std::uint64_t>(
                                                       points.n_points()),
                                                     scene.grid.communicator());
@@ -338,8 +338,8 @@ namespace emmy
                                scene.explicit_force
                                  ? ActiveGrid<dim>::Matrices::none
                                  : ActiveGrid<dim>::Matrices::wanted)
-          .sparsity()
-          .n_nonzero_elements();
+          .graph()
+          .n_nonzeros();
       }
 
       const Scene<dim>               &scene;
@@ -421,7 +421,9 @@ namespace emmy
                "  all",
                std::to_string(particle_bytes()),
                std::to_string(nonzeros),
-               "in each of " + std::to_string(n_matrices) + " matrices");
+               n_matrices == 1
+                 ? "in the matrix"
+                 : "in each of " + std::to_string(n_matrices) + " matrices");
     if (!with_absent)
       {
         out << "  absent                " << join(absent) << '\n';

@@ -101,7 +101,6 @@ namespace emmy
     add_walls(const SceneParameters<dim>    &parameters,
               const BoundaryConditions<dim> &boundary_conditions,
               const BackgroundGrid<dim>     &grid,
-              const FieldLayout             &layout,
               Effects<dim>                  &effects)
     {
       if (parameters.moving_walls.are_present())
@@ -136,8 +135,7 @@ namespace emmy
           !parameters.time.is_explicit())
         {
           const std::string &kind = parameters.method.wall_mapping;
-          effects.terms.push_back(
-            std::make_unique<WallMapping<dim>>(kind, layout["mass"]));
+          effects.terms.push_back(std::make_unique<WallMapping<dim>>(kind));
           effects.name_new(WallMapping<dim>::name(kind));
         }
     }
@@ -152,7 +150,7 @@ namespace emmy
       AssertThrow(std::none_of(effects.terms.begin(),
                                effects.terms.end(),
                                [](const auto &term) {
-                                 return term->is_force() || term->couples();
+                                 return term->is_force() || term->coupling();
                                }),
                   ExcParameter("Time",
                                "Integrator",
@@ -301,7 +299,7 @@ namespace emmy
       }
     if (!is_explicit)
       add_inertia_and_stress(parameters, bodies, layout, effects);
-    add_walls(parameters, boundary_conditions, grid, layout, effects);
+    add_walls(parameters, boundary_conditions, grid, effects);
     if (parameters.method.starved_nodes == "follow" && !is_explicit)
       {
         effects.terms.push_back(

@@ -439,11 +439,12 @@ namespace emmy
   }
 
   LinearResult
-  solve_to_round_off(LinearSolver      &solver,
-                     const Matrix      &A,
-                     const Constraints &constraints,
-                     const Vector      &b,
-                     Vector            &x)
+  solve_to_round_off(
+    LinearSolver                                        &solver,
+    const std::function<void(Vector &, const Vector &)> &residual_of,
+    const Constraints                                   &constraints,
+    const Vector                                        &b,
+    Vector                                              &x)
   {
     constexpr unsigned int max_refinements  = 10;
     constexpr double       krylov_tolerance = 1e-6;
@@ -451,7 +452,7 @@ namespace emmy
     LinearResult result;
     Vector       residual(b), correction(b), better(b);
     const auto   update_residual = [&](const Vector &trial) {
-      A.residual(residual, trial, b);
+      residual_of(residual, trial);
       constraints.condense(residual);
       return residual.l2_norm();
     };

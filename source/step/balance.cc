@@ -107,9 +107,9 @@ namespace emmy
                         const Vector        &displacement) const
   {
     std::string result;
-    for_each(step.phases, &Effect<dim>::couples, [&](Effect<dim> &effect) {
+    for_each(step.phases, &Effect<dim>::coupling, [&](Effect<dim> &effect) {
       if (result.empty())
-        result = effect.missing(step, displacement);
+        result = effect.coupling()->missing(step, displacement);
     });
     return result;
   }
@@ -176,8 +176,8 @@ namespace emmy
                          const BackgroundGrid<dim> &grid,
                          Phases                    *phases) const
   {
-    for_each(phases, &Effect<dim>::couples, [&](Effect<dim> &effect) {
-      effect.classify(stencils, points, grid);
+    for_each(phases, &Effect<dim>::coupling, [&](Effect<dim> &effect) {
+      effect.coupling()->classify(stencils, points, grid);
     });
   }
 
@@ -189,8 +189,8 @@ namespace emmy
                           Phases                        *phases) const
   {
     Couplings<dim> result;
-    for_each(phases, &Effect<dim>::couples, [&](Effect<dim> &effect) {
-      effect.couple(stencils, grid, boundary_conditions, result);
+    for_each(phases, &Effect<dim>::coupling, [&](Effect<dim> &effect) {
+      effect.coupling()->couple(stencils, grid, boundary_conditions, result);
     });
     if (!mass_loss_entries().empty())
       // whoever receives books the time: it is part of inertia, of walls
@@ -266,7 +266,8 @@ namespace emmy
   {
     std::vector<StepMeasure> result;
     for_each(phases, &Effect<dim>::measures, [&](Effect<dim> &effect) {
-      for (StepMeasure &measure : effect.measure(points, time, grid))
+      for (StepMeasure &measure :
+           effect.measures()->measure(points, time, grid))
         result.push_back(std::move(measure));
     });
     return result;
@@ -278,7 +279,10 @@ namespace emmy
   {
     std::vector<std::vector<double>> result;
     for (const auto &term : effects.terms)
-      result.push_back(term->memory());
+      {
+        const StepMemory *memory = term->memory();
+        result.push_back(memory ? memory->contents() : std::vector<double>());
+      }
     return result;
   }
 
@@ -288,12 +292,13 @@ namespace emmy
     const std::vector<std::vector<std::vector<double>>> &parts) const
   {
     for (unsigned int i = 0; i < effects.terms.size(); ++i)
-      {
-        std::vector<std::vector<double>> of_term;
-        for (const auto &part : parts)
-          of_term.push_back(part[i]);
-        effects.terms[i]->recall(of_term);
-      }
+      if (StepMemory *memory = effects.terms[i]->memory())
+        {
+          std::vector<std::vector<double>> of_term;
+          for (const auto &part : parts)
+            of_term.push_back(part[i]);
+          memory->recall(of_term);
+        }
   }
 
   template <int dim>
@@ -303,7 +308,8 @@ namespace emmy
     return std::any_of(effects.terms.begin(),
                        effects.terms.end(),
                        [](const auto &term) {
-                         return term->couples_by_weights();
+                         const auto *coupling = term->coupling();
+                         return coupling && coupling->couples_by_weights();
                        });
   }
 
@@ -313,7 +319,7 @@ namespace emmy
   {
     return std::any_of(effects.terms.begin(),
                        effects.terms.end(),
-                       [](const auto &term) { return term->is_load(); });
+                       [](const auto &term) { return term->load(); });
   }
 
   template <int dim>
@@ -325,18 +331,19 @@ namespace emmy
       local.resize(dim * step.start.active->n_local_nodes());
     for (std::size_t i = 0; i < effects.terms.size(); ++i)
       {
-        if (!effects.terms[i]->is_load())
+        const Load<dim> *load = effects.terms[i]->load();
+        if (!load)
           continue;
         const std::string &name   = effects.term_names[i];
         const auto         timed  = effect_scope(step.phases, name);
         const double       factor = step.ramp ? step.ramp->factor_of(name) : 1.;
         if (factor == 1.)
           {
-            effects.terms[i]->add_load(step, local);
+            load->add_load(step, local);
             continue;
           }
         std::vector<double> whole(local.size());
-        effects.terms[i]->add_load(step, whole);
+        load->add_load(step, whole);
         for (std::size_t c = 0; c < local.size(); ++c)
           local[c] += factor * whole[c];
       }
@@ -350,8 +357,8 @@ namespace emmy
     std::vector<double> forces;
     if (has_loads())
       forces.resize(dim * step.points.n_points());
-    for_each(step.phases, &Effect<dim>::is_load, [&](Effect<dim> &effect) {
-      effect.add_load_at_points(step, forces);
+    for_each(step.phases, &Effect<dim>::load, [&](Effect<dim> &effect) {
+      effect.load()->add_load_at_points(step, forces);
     });
     return forces;
   }

@@ -200,11 +200,13 @@ namespace emmy
   }
 
   template <int dim>
-  const Matrix &
+  Matrix
   examined_mass(const GridStart<dim> &start)
   {
-    return start.active->constraints().has_followers() ? start.damped_mass
-                                                       : start.mass;
+    using Conditions = typename NodalMatrix<dim>::Conditions;
+    return start.active->constraints().has_followers()
+             ? mass_of_unknowns(start, Conditions::worked_in, Damped::yes)
+             : mass_of_unknowns(start, Conditions::left_out, Damped::no);
   }
 
   template <int dim>
@@ -213,10 +215,12 @@ namespace emmy
                     const GridStart<dim> &start,
                     const double          time_step)
   {
+    using Conditions    = typename NodalMatrix<dim>::Conditions;
     const double factor = inertia_factor(time_step);
     Matrix       result;
     result.copy_from(equation.system().jacobian);
-    result.add(-factor, start.damped_mass);
+    result.add(-factor,
+               mass_of_unknowns(start, Conditions::worked_in, Damped::yes));
     result.add(factor, examined_mass(start));
     return result;
   }
@@ -344,9 +348,9 @@ namespace emmy
   condition_estimate<2>(const Matrix &, const ActiveGrid<2> &);
   template ConditionEstimate
   condition_estimate<3>(const Matrix &, const ActiveGrid<3> &);
-  template const Matrix &
+  template Matrix
   examined_mass<2>(const GridStart<2> &);
-  template const Matrix &
+  template Matrix
   examined_mass<3>(const GridStart<3> &);
   template Matrix
   undamped_jacobian<2>(StepEquation<2> &, const GridStart<2> &, const double);

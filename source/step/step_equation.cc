@@ -27,7 +27,7 @@ namespace emmy
     , free_residual(step.start.active->make_vector())
     , trial_states(std::move(trial_states))
   {
-    tangent.reinit(step.start.active->sparsity());
+    step.start.active->graph().reinit(tangent);
     if (balance.has_loads())
       step.start.active->add(balance.loads(step), external_force);
   }
@@ -50,7 +50,7 @@ namespace emmy
       2. / step.time_step * absolute_product(step.start.momentum, solution);
     if (with_jacobian)
       {
-        tangent = 0.;
+        active.graph().clear(tangent);
         rank_ones.clear();
       }
     if (step.moving)
@@ -82,7 +82,7 @@ namespace emmy
         total_work += absolute_product(force, solution);
       }
     if (with_jacobian)
-      tangent.compress(dealii::VectorOperation::add);
+      active.graph().finish(tangent);
 
     free_residual = full_residual;
     active.constraints().condense(free_residual);

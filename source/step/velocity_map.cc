@@ -1,7 +1,48 @@
+#include <emmy/solve/mass_solver.h>
 #include <emmy/step/velocity_map.h>
 
 namespace emmy
 {
+  namespace
+  {
+    /** Where gradients do not get there: nodes that few particles reach. */
+    template <int dim>
+    LinearResult
+    with_all_unknowns(LinearSolver                               &linear_solver,
+                      const GridStart<dim>                       &start,
+                      const typename NodalMatrix<dim>::Conditions which,
+                      Vector                                     &velocity)
+    {
+      const Matrix damped_mass = mass_of_unknowns(start, which, Damped::yes);
+      const Constraints  none;
+      const Constraints &constraints =
+        which == NodalMatrix<dim>::Conditions::worked_in
+          ? start.active->constraints()
+          : none;
+      unsigned int iterations = 0;
+      const auto   refine     = [&](LinearResult result) {
+        if (result.is_solved)
+          result = solve_to_round_off(
+            linear_solver,
+            [&](Vector &r, const Vector &v) {
+              start.mass.residual(r, v, start.momentum);
+            },
+            constraints,
+            start.momentum,
+            velocity);
+        iterations += result.iterations;
+        return result;
+      };
+      LinearResult result = refine(linear_solver.prepare(damped_mass));
+      // not from the start: LU of a scaled singular matrix ends with numbers
+      // that mean nothing, where that of the matrix itself fails
+      if (!result.is_solved)
+        result = refine(linear_solver.prepare_mass(damped_mass));
+      result.iterations = iterations;
+      return result;
+    }
+  } // namespace
+
   template <int dim>
   LinearResult
   map_velocity(const Balance<dim>  &balance,
@@ -11,22 +52,16 @@ namespace emmy
   {
     LinearResult result;
     // an effect that is being timed has its iterations too
-    const auto solve = [&](const Matrix      &damped_mass,
-                           const Constraints &constraints,
-                           Vector            &velocity) {
-      unsigned int iterations = 0;
-      const auto   refine     = [&](LinearResult result) {
-        if (result.is_solved)
-          result = solve_to_round_off(
-            linear_solver, start.mass, constraints, start.momentum, velocity);
-        iterations += result.iterations;
-        return result;
-      };
-      result = refine(linear_solver.prepare(damped_mass));
-      // not from the start: LU of a scaled singular matrix ends with numbers
-      // that mean nothing, where that of the matrix itself fails
+    const auto solve = [&](const typename NodalMatrix<dim>::Conditions which,
+                           Vector &velocity) {
+      result = MassSolver<dim>(start.mass, start.damping, which)
+                 .solve(velocity, start.momentum);
+      unsigned int iterations = result.iterations;
       if (!result.is_solved)
-        result = refine(linear_solver.prepare_mass(damped_mass));
+        {
+          result = with_all_unknowns(linear_solver, start, which, velocity);
+          iterations += result.iterations;
+        }
       result.iterations = iterations;
       if (step.phases)
         step.phases->add_iterations("velocity from momentum", iterations);

@@ -256,8 +256,6 @@ namespace emmy
     ghost_nodes.compress();
     ghost_dofs.compress();
     owned_dofs = range(dim * first, dim * end, dim * n_nodes);
-    known_dofs = owned_dofs;
-    known_dofs.add_indices(ghost_dofs);
     zero.reinit(owned_dofs, communicator());
     node_partition = std::make_shared<dealii::Utilities::MPI::Partitioner>(
       range(first, end, n_nodes), ghost_nodes, communicator());
@@ -323,7 +321,7 @@ namespace emmy
     for (unsigned int node = 0; node < n_local_nodes(); ++node)
       first_dofs.push_back(first_dof(node));
     node_graph.make(
-      cliques, first_dofs, owned_dofs, known_dofs, conditions, communicator());
+      cliques, first_dofs, owned_dofs, conditions, communicator());
   }
 
   template <int dim>

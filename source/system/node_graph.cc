@@ -6,6 +6,7 @@
 #include <Epetra_CrsGraph.h>
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_Map.h>
+#include <Epetra_MpiComm.h>
 
 #include <algorithm>
 #include <map>
@@ -14,12 +15,55 @@ namespace emmy
 {
   using dealii::types::global_dof_index;
 
+  namespace
+  {
+    /**
+     * What matrices are made of. Collective.
+     * @param rows        columns of the owned nodes, sorted, in nodes
+     * @param column_dofs of each column, its first unknown
+     */
+    template <int dim>
+    std::unique_ptr<const Epetra_CrsMatrix>
+    pattern_of(const std::vector<std::vector<unsigned int>> &rows,
+               const std::vector<global_dof_index>          &column_dofs,
+               const dealii::IndexSet                       &owned_dofs,
+               const MPI_Comm                                communicator)
+    {
+      const Epetra_Map map = owned_dofs.make_trilinos_map(communicator);
+      std::vector<int> unknowns, lengths;
+      for (const global_dof_index dof : column_dofs)
+        for (unsigned int c = 0; c < dim; ++c)
+          unknowns.push_back(static_cast<int>(dof + c));
+      const Epetra_Map column_map(
+        -1, unknowns.size(), unknowns.data(), 0, map.Comm());
+      for (const std::vector<unsigned int> &row : rows)
+        lengths.insert(lengths.end(), dim, dim * row.size());
+      // local indices: nothing is looked up, nothing sorted
+      Epetra_CrsGraph graph(
+        Copy, map, column_map, lengths.data(), /*StaticProfile=*/true);
+      std::vector<int> columns;
+      for (unsigned int node = 0; node < rows.size(); ++node)
+        {
+          columns.clear();
+          for (const unsigned int column : rows[node])
+            for (unsigned int c = 0; c < dim; ++c)
+              columns.push_back(unknown<dim>(column, c));
+          for (unsigned int c = 0; c < dim; ++c)
+            graph.InsertMyIndices(unknown<dim>(node, c),
+                                  columns.size(),
+                                  columns.data());
+        }
+      graph.FillComplete(map, map);
+      graph.OptimizeStorage();
+      return std::make_unique<const Epetra_CrsMatrix>(View, graph);
+    }
+  } // namespace
+
   template <int dim>
   void
   NodeGraph<dim>::make(const std::vector<Clique> &cliques,
                        const Dofs                &first_dofs,
                        const dealii::IndexSet    &owned_dofs,
-                       const dealii::IndexSet    &known_dofs,
                        const Constraints         &constraints,
                        const MPI_Comm             communicator)
   {
@@ -31,8 +75,48 @@ namespace emmy
     find_plain_nodes();
     find_neighbours(cliques);
     refuse_matrix_entries(dim * dim * neighbours.size(), communicator);
-    make_pattern(owned_dofs, known_dofs, communicator);
-    find_places();
+    foreign.make(first_dofs, owned_dofs, first, neighbours, communicator);
+    make_pattern(owned_dofs, communicator);
+  }
+
+  template <int dim>
+  NodeGraph<dim>::NodeGraph() = default;
+
+  template <int dim>
+  NodeGraph<dim>::~NodeGraph() = default;
+
+  template <int dim>
+  void
+  NodeGraph<dim>::reinit(Matrix &matrix) const
+  {
+    matrix.reinit(*pattern, /*copy_values=*/false);
+  }
+
+  template <int dim>
+  void
+  NodeGraph<dim>::clear(Matrix &matrix) const
+  {
+    const Epetra_CrsMatrix &entries = matrix.trilinos_matrix();
+    for (int row = 0; row < entries.NumMyRows(); ++row)
+      std::fill_n(entries[row], entries.NumMyEntries(row), 0.);
+  }
+
+  template <int dim>
+  void
+  NodeGraph<dim>::finish(Matrix &matrix) const
+  {
+    foreign.hand_over(matrix);
+  }
+
+  template <int dim>
+  std::uint64_t
+  NodeGraph<dim>::n_nonzeros() const
+  {
+    if (!pattern)
+      return 0;
+    return dealii::Utilities::MPI::sum(
+      static_cast<std::uint64_t>(pattern->NumMyNonzeros()),
+      dynamic_cast<const Epetra_MpiComm &>(pattern->Comm()).Comm());
   }
 
   template <int dim>
@@ -43,7 +127,7 @@ namespace emmy
     if (constraints.has_followers())
       for (unsigned int node = 0; node < first_dofs.size(); ++node)
         node_of_dof[first_dofs[node]] = node;
-    is_free.assign(dim * first_dofs.size(), true);
+    free_unknowns.assign(dim * first_dofs.size(), true);
     is_following.assign(dim * first_dofs.size(), false);
     for (unsigned int node = 0; node < first_dofs.size(); ++node)
       for (unsigned int c = 0; c < dim; ++c)
@@ -52,7 +136,7 @@ namespace emmy
             constraints.affine().get_constraint_entries(first_dofs[node] + c);
           if (!entries) // no condition
             continue;
-          is_free[unknown<dim>(node, c)] = false;
+          free_unknowns[unknown<dim>(node, c)] = false;
           if (entries->empty()) // fixed
             continue;
           is_following[unknown<dim>(node, c)] = true;
@@ -67,9 +151,9 @@ namespace emmy
   NodeGraph<dim>::find_plain_nodes()
   {
     is_plain.assign(first_dofs.size(), false);
-    for (unsigned int node = 0; node < n_owned; ++node)
-      is_plain[node] = std::all_of(is_free.begin() + dim * node,
-                                   is_free.begin() + dim * (node + 1),
+    for (unsigned int node = 0; node < first_dofs.size(); ++node)
+      is_plain[node] = std::all_of(free_unknowns.begin() + dim * node,
+                                   free_unknowns.begin() + dim * (node + 1),
                                    [](const char free) { return free != 0; });
   }
 
@@ -77,8 +161,26 @@ namespace emmy
   void
   NodeGraph<dim>::find_neighbours(std::vector<Clique> cliques)
   {
+    // groups with GIMP lie in others that come after them
+    const unsigned int        n_nodes = first_dofs.size();
+    std::vector<unsigned int> in_last(n_nodes, 0);
+    unsigned int              n_kept = cliques.size();
+    for (unsigned int i = cliques.size(); i-- > 0;)
+      {
+        const unsigned int *const end = cliques[i].nodes + cliques[i].n;
+        if (n_kept < cliques.size() &&
+            std::all_of(cliques[i].nodes, end, [&](const unsigned int node) {
+              return in_last[node] == n_kept + 1;
+            }))
+          continue;
+        cliques[--n_kept] = cliques[i];
+        std::for_each(cliques[n_kept].nodes, end, [&](const unsigned int node) {
+          in_last[node] = n_kept + 1;
+        });
+      }
+    cliques.erase(cliques.begin(), cliques.begin() + n_kept);
+
     // a node that follows brings its roots along
-    const unsigned int                     n_nodes = first_dofs.size();
     std::vector<std::vector<unsigned int>> with_roots;
     with_roots.reserve(cliques.size());
     for (Clique &clique : cliques)
@@ -121,65 +223,75 @@ namespace emmy
   }
 
   template <int dim>
-  void
-  NodeGraph<dim>::make_pattern(const dealii::IndexSet &owned_dofs,
-                               const dealii::IndexSet &known_dofs,
-                               const MPI_Comm          communicator)
+  std::vector<std::vector<unsigned int>>
+  NodeGraph<dim>::columns_of_others(const global_dof_index first_owned,
+                                    Dofs                  &column_dofs) const
   {
-    std::size_t longest = 0;
-    for (unsigned int node = 0; node + 1 < first.size(); ++node)
-      longest = std::max(longest, first[node + 1] - first[node]);
-    // deal.II 9.4 refuses a row length on a rank that owns no row
-    sparsity.reinit(owned_dofs,
-                    owned_dofs,
-                    known_dofs,
-                    communicator,
-                    n_owned > 0 ? dim * longest : 0);
-    for (unsigned int node = 0; node + 1 < first.size(); ++node)
+    std::map<global_dof_index, unsigned int> of_others;
+    for (unsigned int node = n_owned; node < first_dofs.size(); ++node)
+      of_others[first_dofs[node]] = node;
+    const auto column_of = [&](const global_dof_index dof) {
+      if (dof >= first_owned && dof < first_owned + dim * n_owned)
+        return static_cast<unsigned int>((dof - first_owned) / dim);
+      const auto [found, is_new] = of_others.insert({dof, column_dofs.size()});
+      if (is_new)
+        column_dofs.push_back(dof);
+      return found->second;
+    };
+    std::vector<std::vector<unsigned int>> result;
+    for (const auto &row : foreign.rows_of_others())
       {
-        dofs.clear();
-        for (std::size_t k = first[node]; k < first[node + 1]; ++k)
-          for (unsigned int c = 0; c < dim; ++c)
-            dofs.push_back(first_dofs[neighbours[k]] + c);
-        for (unsigned int c = 0; c < dim; ++c)
-          sparsity.add_entries(first_dofs[node] + c, dofs.begin(), dofs.end());
+        result.emplace_back();
+        for (const global_dof_index dof : row.columns)
+          result.back().push_back(column_of(dof));
       }
-    sparsity.compress();
+    return result;
   }
 
   template <int dim>
   void
-  NodeGraph<dim>::find_places()
+  NodeGraph<dim>::make_pattern(const dealii::IndexSet &owned_dofs,
+                               const MPI_Comm          communicator)
   {
-    const Epetra_CrsGraph &graph   = sparsity.trilinos_sparsity_pattern();
-    const Epetra_BlockMap &columns = graph.ColMap();
-    std::vector<int>       column_of(dim * first_dofs.size());
-    for (unsigned int i = 0; i < column_of.size(); ++i)
-      column_of[i] =
-        columns.LID(static_cast<int>(first_dofs[i / dim] + i % dim));
-
-    std::vector<unsigned int> place_of_column(columns.NumMyElements());
-    places.resize(dim * first[n_owned]);
+    // columns: the local nodes, then those that only other ranks have met
+    Dofs       column_dofs = first_dofs;
+    const auto of_others =
+      columns_of_others(n_owned > 0 ? *owned_dofs.begin() : global_dof_index(0),
+                        column_dofs);
+    std::vector<std::vector<unsigned int>> rows(n_owned);
     for (unsigned int node = 0; node < n_owned; ++node)
-      for (unsigned int c = 0; c < dim; ++c)
-        {
-          int n, *row;
-          graph.ExtractMyRowView(unknown<dim>(node, c), n, row);
-          for (int i = 0; i < n; ++i)
-            place_of_column[row[i]] = i;
-          for (std::size_t k = first[node]; k < first[node + 1]; ++k)
-            for (unsigned int d = 0; d < dim; ++d)
-              {
-                const int column = column_of[unknown<dim>(neighbours[k], d)];
-                const unsigned int place = place_of_column[column];
-                if (c == 0)
-                  places[dim * k + d] = place;
-                // all rows of a node have the same columns
-                AssertThrow(place == places[dim * k + d] &&
-                              row[place] == column,
-                            dealii::ExcInternalError());
-              }
-        }
+      rows[node].assign(neighbours.begin() + first[node],
+                        neighbours.begin() + first[node + 1]);
+    const auto &rows_of_others = foreign.rows_of_others();
+    for (std::size_t i = 0; i < of_others.size(); ++i)
+      {
+        auto &row = rows[rows_of_others[i].node];
+        row.insert(row.end(), of_others[i].begin(), of_others[i].end());
+      }
+    for (std::vector<unsigned int> &row : rows)
+      {
+        std::sort(row.begin(), row.end());
+        row.erase(std::unique(row.begin(), row.end()), row.end());
+      }
+    pattern = pattern_of<dim>(rows, column_dofs, owned_dofs, communicator);
+
+    const auto place_in = [](const std::vector<unsigned int> &row,
+                             const unsigned int               column) {
+      return std::lower_bound(row.begin(), row.end(), column) - row.begin();
+    };
+    places.resize(neighbours.size());
+    for (unsigned int node = 0; node < first_dofs.size(); ++node)
+      for (std::size_t k = first[node]; k < first[node + 1]; ++k)
+        places[k] = node < n_owned ? place_in(rows[node], neighbours[k])
+                                   : k - first[node];
+    for (std::size_t i = 0; i < of_others.size(); ++i)
+      {
+        std::vector<unsigned int> places_of_row;
+        for (const unsigned int column : of_others[i])
+          places_of_row.push_back(
+            place_in(rows[rows_of_others[i].node], column));
+        foreign.set_places(i, std::move(places_of_row));
+      }
   }
 
   template <int dim>
@@ -195,9 +307,9 @@ namespace emmy
     row_places.clear();
     for (unsigned int j = 0; j < unknowns.size(); ++j)
       if (marked_by[unknowns[j] / dim] == node)
-        row_places.emplace_back(
-          j,
-          places[dim * place_of_node[unknowns[j] / dim] + unknowns[j] % dim]);
+        row_places.emplace_back(j,
+                                place(place_of_node[unknowns[j] / dim],
+                                      unknowns[j] % dim));
   }
 
   template <int dim>
@@ -214,7 +326,15 @@ namespace emmy
     node_places.clear();
     for (unsigned int b = 0; b < n; ++b)
       if (marked_by[nodes[b]] == node)
-        node_places.emplace_back(b, dim * place_of_node[nodes[b]]);
+        node_places.emplace_back(b, place(place_of_node[nodes[b]], 0));
+  }
+
+  template <int dim>
+  double *
+  NodeGraph<dim>::entries_of(const unsigned int unknown, Matrix &matrix) const
+  {
+    return unknown / dim < n_owned ? matrix.trilinos_matrix()[unknown]
+                                   : foreign.row(unknown / dim, unknown % dim);
   }
 
   template <int dim>
@@ -223,25 +343,15 @@ namespace emmy
                           const dealii::FullMatrix<double> &block,
                           Matrix                           &matrix) const
   {
-    const std::size_t n = unknowns.size();
-    dofs.clear();
     unsigned int last_node = dealii::numbers::invalid_unsigned_int;
-    for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t i = 0; i < unknowns.size(); ++i)
       {
         const unsigned int node   = unknowns[i] / dim;
         const double      *values = &block(i, 0);
-        if (node >= n_owned)
-          {
-            if (dofs.empty())
-              for (const unsigned int unknown : unknowns)
-                dofs.push_back(first_dofs[unknown / dim] + unknown % dim);
-            matrix.add(dofs[i], n, dofs.data(), values);
-            continue;
-          }
         if (node != last_node)
           find_places_in_rows(node, unknowns);
         last_node   = node;
-        double *row = matrix.trilinos_matrix()[unknowns[i]];
+        double *row = entries_of(unknowns[i], matrix);
         for (const auto &[j, place] : row_places)
           row[place] += values[j];
       }
@@ -257,7 +367,7 @@ namespace emmy
     for (unsigned int i = 0; i < n; ++i)
       {
         shares[i].clear();
-        if (is_free[extended[i]])
+        if (free_unknowns[extended[i]])
           shares[i].emplace_back(i, 1.);
         if (!is_following[extended[i]])
           continue;
@@ -299,7 +409,7 @@ namespace emmy
       {
         condensed = block;
         for (unsigned int i = 0; i < n; ++i)
-          if (!is_free[unknowns[i]])
+          if (!free_unknowns[unknowns[i]])
             for (unsigned int j = 0; j < n; ++j)
               condensed(i, j) = condensed(j, i) = 0.;
       }
@@ -307,7 +417,7 @@ namespace emmy
       hand_to_roots(block);
     // an equation without couplings, of the size of the others
     for (unsigned int i = 0; i < n; ++i)
-      if (!is_free[unknowns[i]])
+      if (!free_unknowns[unknowns[i]])
         condensed(i, i) = block(i, i) != 0. ? std::abs(block(i, i)) : mean;
   }
 
@@ -319,7 +429,7 @@ namespace emmy
   {
     if (conditions == Conditions::left_out ||
         std::all_of(list.begin(), list.end(), [this](const unsigned int i) {
-          return is_free[i] != 0;
+          return free_unknowns[i] != 0;
         }))
       return scatter(list, block, matrix);
     condense(list, block);
@@ -359,30 +469,14 @@ namespace emmy
         find_places_of(nodes[a], nodes, n);
         for (unsigned int i = 0; i < dim; ++i)
           {
-            double *row = matrix.trilinos_matrix()[unknown<dim>(nodes[a], i)];
+            double       *row = entries_of(unknown<dim>(nodes[a], i), matrix);
             const double *values =
               blocks.values + i * blocks.by_i + a * blocks.by_a;
             for (const auto &[b, place] : node_places)
               for (unsigned int j = 0; j < dim; ++j)
-                row[places[place + j]] += values[j * blocks.by_j + b];
+                row[place + j] += values[j * blocks.by_j + b];
           }
       }
-  }
-
-  template <int dim>
-  void
-  ComponentBlocks::copy_to(dealii::FullMatrix<double> &matrix) const
-  {
-    matrix.reinit(dim * n_nodes, dim * n_nodes, true);
-    for (unsigned int i = 0; i < dim; ++i)
-      for (unsigned int j = 0; j < dim; ++j)
-        for (unsigned int a = 0; a < n_nodes; ++a)
-          {
-            const double *of_node = values + i * by_i + j * by_j + a * by_a;
-            double       *row     = &matrix(dim * a + i, 0);
-            for (unsigned int b = 0; b < n_nodes; ++b)
-              row[dim * b + j] = of_node[b];
-          }
   }
 
   template <int dim>
@@ -393,9 +487,9 @@ namespace emmy
                                  Matrix                           &matrix) const
   {
     const unsigned int n = nodal.m();
-    if (std::all_of(nodes, nodes + n, [&](const unsigned int node) {
-          return conditions == Conditions::left_out ? node < n_owned
-                                                    : is_plain[node] != 0;
+    if (conditions == Conditions::left_out ||
+        std::all_of(nodes, nodes + n, [&](const unsigned int node) {
+          return is_plain[node] != 0;
         }))
       {
         for (unsigned int a = 0; a < n; ++a)
@@ -403,10 +497,9 @@ namespace emmy
             find_places_of(nodes[a], nodes, n);
             for (unsigned int c = 0; c < dim; ++c)
               {
-                double *row =
-                  matrix.trilinos_matrix()[unknown<dim>(nodes[a], c)];
+                double *row = entries_of(unknown<dim>(nodes[a], c), matrix);
                 for (const auto &[b, place] : node_places)
-                  row[places[place + c]] += nodal(a, b);
+                  row[place + c] += nodal(a, b);
               }
           }
         return;
@@ -420,76 +513,6 @@ namespace emmy
       }
   }
 
-  template <int dim>
-  BlockSum<dim>::BlockSum(const NodeGraph<dim> &graph, Matrix &matrix)
-    : graph(graph)
-    , matrix(matrix)
-    , index_of(graph.n_nodes(), dealii::numbers::invalid_unsigned_int)
-  {}
-
-  template <int dim>
-  void
-  BlockSum<dim>::add(const unsigned int *nodes, const ComponentBlocks &blocks)
-  {
-    const unsigned int n     = blocks.n_nodes;
-    unsigned int       n_new = 0;
-    for (unsigned int a = 0; a < n; ++a)
-      if (index_of[nodes[a]] == dealii::numbers::invalid_unsigned_int)
-        ++n_new;
-    if (members.size() + n_new > room)
-      flush();
-    if (members.empty())
-      {
-        room = std::max(most_nodes, n);
-        sum.assign(dim * dim * room * room, 0.);
-      }
-    indices.resize(n);
-    for (unsigned int a = 0; a < n; ++a)
-      {
-        unsigned int &index = index_of[nodes[a]];
-        if (index == dealii::numbers::invalid_unsigned_int)
-          {
-            index = members.size();
-            members.push_back(nodes[a]);
-          }
-        indices[a] = index;
-      }
-    for (unsigned int i = 0; i < dim; ++i)
-      for (unsigned int j = 0; j < dim; ++j)
-        for (unsigned int a = 0; a < n; ++a)
-          {
-            double *row = &sum[((i * dim + j) * room + indices[a]) * room];
-            const double *values = blocks.values + i * blocks.by_i +
-                                   j * blocks.by_j + a * blocks.by_a;
-            for (unsigned int b = 0; b < n; ++b)
-              row[indices[b]] += values[b];
-          }
-  }
-
-  template <int dim>
-  void
-  BlockSum<dim>::flush()
-  {
-    if (members.empty())
-      return;
-    graph.add(members.data(),
-              ComponentBlocks{sum.data(),
-                              static_cast<unsigned int>(members.size()),
-                              dim * room * room,
-                              room * room,
-                              room},
-              matrix);
-    for (const unsigned int node : members)
-      index_of[node] = dealii::numbers::invalid_unsigned_int;
-    members.clear();
-  }
-
-  template void
-  ComponentBlocks::copy_to<2>(dealii::FullMatrix<double> &) const;
-  template void
-  ComponentBlocks::copy_to<3>(dealii::FullMatrix<double> &) const;
   template class NodeGraph<2>;
   template class NodeGraph<3>;
-  template class BlockSum<2>;
-  template class BlockSum<3>;
 } // namespace emmy

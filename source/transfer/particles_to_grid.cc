@@ -59,13 +59,29 @@ namespace emmy
   std::vector<double>
   lumped_mass(const GridStart<dim> &start)
   {
-    Vector ones = start.active->make_vector(), sums = ones;
-    ones = 1.;
-    start.mass.vmult(sums, ones);
-    const std::vector<double> local = start.active->to_local(sums);
-    std::vector<double>       result(start.active->n_local_nodes());
-    for (unsigned int node = 0; node < result.size(); ++node)
-      result[node] = local[unknown<dim>(node, 0)];
+    const unsigned int  n = start.active->n_local_nodes();
+    std::vector<double> sums(dim * n), result(n);
+    start.mass.add_times(std::vector<double>(dim * n, 1.), sums);
+    for (unsigned int node = 0; node < n; ++node)
+      result[node] = sums[unknown<dim>(node, 0)];
+    start.active->share(result);
+    return result;
+  }
+
+  template <int dim>
+  Matrix
+  mass_of_unknowns(const GridStart<dim>                       &start,
+                   const typename NodalMatrix<dim>::Conditions conditions,
+                   const Damped                                damped)
+  {
+    Matrix result;
+    start.active->graph().reinit(result);
+    start.mass.add_to(result,
+                      1.,
+                      conditions,
+                      damped == Damped::yes ? start.damping
+                                            : std::vector<double>());
+    start.active->graph().finish(result);
     return result;
   }
 
@@ -96,8 +112,6 @@ namespace emmy
       {
         start.active = std::make_shared<const ActiveGrid<dim>>(
           stencils, couplings, grid, boundary_conditions);
-        start.mass.reinit(start.active->sparsity());
-        start.damped_mass.reinit(start.active->sparsity());
         start.momentum      = start.active->make_vector();
         start.mean_velocity = start.active->make_vector();
       }
@@ -130,27 +144,15 @@ namespace emmy
   ParticlesToGrid<dim>::assemble_mass(const Stencils<dim>    &stencils,
                                       const PointArrays<dim> &points)
   {
-    using Conditions            = typename NodeGraph<dim>::Conditions;
-    const NodeGraph<dim> &graph = start.active->graph();
-    start.mass                  = 0.;
-    start.damped_mass           = 0.;
-
+    start.mass.reinit(start.active);
+    start.damping.assign(start.active->n_local_nodes(), 0.);
     const auto add_block = [&](MassBlock &block) {
-      graph.add_components(block.nodes,
-                           block.mass,
-                           Conditions::left_out,
-                           start.mass);
+      start.mass.add(block.nodes, block.mass);
       for (unsigned int a = 0; a < block.mass.m(); ++a)
-        block.mass(a, a) += block.damping[a];
-      graph.add_components(block.nodes,
-                           block.mass,
-                           Conditions::worked_in,
-                           start.damped_mass);
+        start.damping[block.nodes[a]] += block.damping[a];
     };
     for_each_mass_block<dim>(
       stencils, points.component(mass_component), start, phases, add_block);
-    start.mass.compress(dealii::VectorOperation::add);
-    start.damped_mass.compress(dealii::VectorOperation::add);
   }
 
   template <int dim>
@@ -228,6 +230,14 @@ namespace emmy
   lumped_mass<2>(const GridStart<2> &);
   template std::vector<double>
   lumped_mass<3>(const GridStart<3> &);
+  template Matrix
+  mass_of_unknowns<2>(const GridStart<2> &,
+                      const NodalMatrix<2>::Conditions,
+                      const Damped);
+  template Matrix
+  mass_of_unknowns<3>(const GridStart<3> &,
+                      const NodalMatrix<3>::Conditions,
+                      const Damped);
   template class ParticlesToGrid<2>;
   template class ParticlesToGrid<3>;
 } // namespace emmy

@@ -78,7 +78,7 @@ namespace
                               std::to_string(field.offset));
     run.advance(n_steps);
     result.n_entries =
-      run.scene.stepper->grid_start().mass.n_nonzero_elements();
+      run.scene.stepper->grid_start().active->graph().n_nonzeros();
     result.columns = run.ledger.columns();
     result.rows    = run.ledger.rows();
     for (const auto &particle : run.scene.particles)

@@ -30,7 +30,7 @@ main(int argc, char *argv[])
       walls.check_step(time, 1., "here");
       walls.end_step(time, 1.);
     }
-  const std::vector<double> memory = walls.memory();
+  const std::vector<double> memory = walls.contents();
   for (unsigned int i = 0; i < 8; ++i)
     test::check_close(memory.at(i),
                       i == 2 ? 0.008 : (i == 3 ? 0.2 : 0.),
@@ -44,6 +44,6 @@ main(int argc, char *argv[])
   later.check_step(2., 1., "here"); // for all it knows
   later.recall({memory, memory});
   test::check_throws_with([&] { later.check_step(2., 1., "here"); }, refused);
-  test::check(later.memory() == memory, "what is recalled is remembered");
+  test::check(later.contents() == memory, "what is recalled is remembered");
   return test::report();
 }

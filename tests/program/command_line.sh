@@ -1,6 +1,6 @@
 #!/bin/sh
-# The command line does what its help says, every scene that comes with emmy
-# can be read and run, and a run leaves the results that it should.
+# The command line does what its help says, and a run leaves the results that
+# it should. The scenes that come with emmy are run by scenes.py.
 #
 # Usage: command_line.sh EMMY SOURCE_ROOT MPI_LAUNCHER
 set -u
@@ -329,24 +329,5 @@ check 'without gnuplot: one warning in run.log' \
   has_lines 1 not_drawn/run.log 'gnuplot is not installed'
 check 'without gnuplot: no complaint' [ ! -s "$work/err" ]
 check 'without gnuplot: scripts to draw later' [ -s not_drawn/pictures/energies.gp ]
-
-echo "Scenes in prm/"
-n_scenes=0
-for scene in $(cd "$root" && find prm -name '*.prm' ! -path 'prm/studies/*' | sort); do
-  n_scenes=$((n_scenes + 1))
-  prints "$scene, --check" --check "$root/$scene"
-  tells "$scene, --check"
-  prints "$scene, --print-parameters" --print-parameters "$root/$scene"
-  cp "$work/out" ../printed.prm
-  prints "$scene, printed" --print-parameters ../printed.prm
-  check "$scene, printed: is read back unchanged" cmp -s "$work/out" ../printed.prm
-  started=$(date +%s)
-  accepted "$scene, two steps" "$root/$scene" --set 'Time/Maximum steps=2' \
-    --set "Output/Directory=scene_$n_scenes" --set 'Output/Pictures=false'
-  seconds=$(($(date +%s) - started))
-  check "$scene, two steps: takes less than 20 s" [ "$seconds" -lt 20 ]
-  check "$scene, two steps: are in the ledger" has_lines 4 "scene_$n_scenes/ledger.csv"
-done
-check 'there are scenes' [ "$n_scenes" -gt 0 ]
 
 finish

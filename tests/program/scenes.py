@@ -3,9 +3,11 @@
 
     scenes.py SOURCE_ROOT EMMY
 
-Scenes make one step, with everything that they write; those that take too
-long for that are only read and built, and studies are only read. A file that is
-not for the program is said to be so here.
+Scenes make one step, with everything that they write: they complain of nothing,
+the ledger has the start and the step, and the parameters that the run leaves
+are read back unchanged. Scenes that take too long for that are only read and
+built, and studies are only read. A file that is not for the program is said to
+be so here.
 """
 import os
 import re
@@ -37,6 +39,19 @@ def scenes(root):
                     yield os.path.relpath(os.path.join(folder, name), root)
 
 
+def wrong_with(run, printed, errors):
+    """What a run of one step left that it should not, in words; or nothing."""
+    if errors:
+        return "it complains: " + errors
+    with open(os.path.join(run, "ledger.csv"), encoding="utf-8") as file:
+        if sum(1 for _ in file) != 3:
+            return "its ledger does not have three lines"
+    with open(os.path.join(run, "parameters.prm"), encoding="utf-8") as file:
+        if file.read() != printed:
+            return "its parameters.prm is not read back unchanged"
+    return ""
+
+
 def main():
     root, emmy = map(os.path.abspath, sys.argv[1:3])
     environment = dict(os.environ, OMPI_MCA_ess_singleton_isolated="1", OMPI_MCA_pml="ob1", OMPI_MCA_btl="self")
@@ -65,9 +80,15 @@ def main():
                 print(f"{seconds:6.2f} s  {scene}", flush=True)
             n_steps += command[0] == scene
             n_checked += command[0] != scene
-            if done.returncode:
+            problem = done.stderr[-1500:] if done.returncode else ""
+            if command[0] == scene and not problem:
+                run = os.path.join(folder, "run")
+                printed = subprocess.run([emmy, "--print-parameters", "run/parameters.prm"], cwd=folder,
+                                         env=environment, capture_output=True, text=True, timeout=300)
+                problem = wrong_with(run, printed.stdout, done.stderr)
+            if problem:
                 failures.append(scene)
-                print(f"FAILED: {scene}\n{done.stderr[-1500:]}", flush=True)
+                print(f"FAILED: {scene}\n{problem}", flush=True)
     for scene in [*NOT_RUN, *ONLY_CHECKED]:
         if not os.path.exists(os.path.join(root, scene)):
             failures.append(scene)

@@ -124,8 +124,7 @@ namespace emmy
             *moving_walls, *boundary_conditions, *grid));
         if (options.wall_mapping != "constrained")
           effects.terms.push_back(
-            std::make_unique<WallMapping<dim>>(options.wall_mapping,
-                                               layout["mass"]));
+            std::make_unique<WallMapping<dim>>(options.wall_mapping));
         if (options.gravity)
           {
             for (unsigned int d = 0; d < dim; ++d)

@@ -10,8 +10,9 @@ namespace emmy
   {
     using Vector3 = dealii::Tensor<1, 3>;
 
-    inline Vector
-    times(const Matrix &matrix, const Vector &vector)
+    template <int dim>
+    Vector
+    times(const NodalMatrix<dim> &matrix, const Vector &vector)
     {
       Vector result = vector;
       matrix.vmult(result, vector);

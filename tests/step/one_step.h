@@ -101,13 +101,13 @@ namespace emmy
       const double       dt;
       const std::string  what;
 
-      Cloud<dim>             cloud;
-      const Stencils<dim>    stencils;
-      const PointArrays<dim> points;
-      ParticlesToGrid<dim>   particles_to_grid, consistent;
-      GridStart<dim>        &start;
-      const ActiveGrid<dim> &active;
-      const Matrix          &M; ///< consistent; M~ may have a larger pattern
+      Cloud<dim>              cloud;
+      const Stencils<dim>     stencils;
+      const PointArrays<dim>  points;
+      ParticlesToGrid<dim>    particles_to_grid, consistent;
+      GridStart<dim>         &start;
+      const ActiveGrid<dim>  &active;
+      const NodalMatrix<dim> &M; ///< consistent; M~ may have a larger pattern
 
       std::unique_ptr<StepEquation<dim>> equation;
       bool                               is_converged = false;

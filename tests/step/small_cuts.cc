@@ -7,6 +7,8 @@
 
 #include <emmy/effects/ghost_stabilisation.h>
 #include <emmy/material/hencky.h>
+#include <deal.II/lac/trilinos_sparsity_pattern.h>
+
 #include <emmy/step/small_cuts.h>
 
 #include "../check.h"
@@ -246,7 +248,8 @@ namespace
           };
         }
       const auto &start = particles_to_grid(stencils, points, couplings);
-      mass = diagnose(start.mass, stencils, points, layout, *start.active);
+      mass =
+        diagnose(examined_mass(start), stencils, points, layout, *start.active);
     }
   };
 

@@ -3,7 +3,7 @@
 // one another or have nothing in common, with unknowns that are fixed or
 // follow.
 
-#include <emmy/system/node_graph.h>
+#include <emmy/system/block_sum.h>
 
 #include "../check.h"
 
@@ -57,12 +57,12 @@ namespace
     for (unsigned int node = 0; node < n_nodes; ++node)
       first_dofs.push_back(dim * node);
     NodeGraph<dim> graph;
-    graph.make(cliques, first_dofs, all, all, constraints, MPI_COMM_SELF);
+    graph.make(cliques, first_dofs, all, constraints, MPI_COMM_SELF);
 
     Matrix one_by_one, in_components, summed;
-    one_by_one.reinit(graph.pattern());
-    in_components.reinit(graph.pattern());
-    summed.reinit(graph.pattern());
+    graph.reinit(one_by_one);
+    graph.reinit(in_components);
+    graph.reinit(summed);
     BlockSum<dim> sum(graph, summed);
     double        largest = 0.;
     for (const auto &group : groups)
@@ -88,9 +88,9 @@ namespace
         sum.add(group.data(), blocks);
       }
     sum.flush();
-    one_by_one.compress(dealii::VectorOperation::add);
-    in_components.compress(dealii::VectorOperation::add);
-    summed.compress(dealii::VectorOperation::add);
+    graph.finish(one_by_one);
+    graph.finish(in_components);
+    graph.finish(summed);
     largest = one_by_one.linfty_norm();
     in_components.add(-1., one_by_one);
     test::check_close(in_components.linfty_norm(),

@@ -24,7 +24,7 @@ public:
 
   // The force and its derivative. `step` holds what is fixed while the step is
   // solved, `iterate` what Newton tries. The derivative has the constraints
-  // worked in, the force has none: `damped_mass` is the mass with constraints
+  // worked in, the force has none: `add_mass_to` adds the mass with constraints
   // (and 1e-13 of the lumped mass, for the factorisation).
   std::string
   add(const StepData<dim> &step,
@@ -34,7 +34,7 @@ public:
   {
     force.add(rate / step.time_step, lag(step, iterate.displacement));
     if (jacobian)
-      jacobian->add(rate / step.time_step, step.start.damped_mass);
+      step.start.add_mass_to(*jacobian, rate / step.time_step);
     return ""; // nothing is wrong on this rank
   }
 

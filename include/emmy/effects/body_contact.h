@@ -23,7 +23,10 @@ namespace emmy
    * that touch a matrix of the nodes of both.
    */
   template <int dim>
-  class BodyContact : public Effect<dim>
+  class BodyContact : public Effect<dim>,
+                      public NodeCoupling<dim>,
+                      public StepMemory,
+                      public StepMeasures<dim>
   {
   public:
     /** Numbers of the fields that it reads. */
@@ -48,15 +51,20 @@ namespace emmy
          dealii::Particles::ParticleHandler<dim> &particles) const override;
 
     /** How far was looked, and what sticks. */
+    StepMemory *
+    memory() override
+    {
+      return this;
+    }
     std::vector<double>
-    memory() const override;
+    contents() const override;
     void
     recall(const std::vector<std::vector<double>> &parts) override;
 
-    bool
-    couples() const override
+    NodeCoupling<dim> *
+    coupling() override
     {
-      return true;
+      return this;
     }
     void
     classify(const Stencils<dim>       &stencils,
@@ -104,10 +112,10 @@ namespace emmy
     energies_at_start(const PointArrays<dim> &points,
                       const double            time) const override;
 
-    bool
-    measures() const override
+    StepMeasures<dim> *
+    measures() override
     {
-      return true;
+      return this;
     }
     /** Forces on the groups in the last step, and how many pairs touched. */
     std::vector<StepMeasure>

@@ -7,7 +7,11 @@
 #include <emmy/base/surface.h>
 #include <emmy/effects/added_mass.h>
 #include <emmy/effects/given_motion.h>
+#include <emmy/effects/load.h>
 #include <emmy/effects/load_ramp.h>
+#include <emmy/effects/node_coupling.h>
+#include <emmy/effects/step_measures.h>
+#include <emmy/effects/step_memory.h>
 #include <emmy/effects/velocity_map.h>
 #include <emmy/material/material.h>
 #include <emmy/system/couplings.h>
@@ -58,11 +62,11 @@ namespace emmy
    * An effect, or a part of one: whatever acts in a scene beside the grid and
    * the particles. Its hooks are called in the order of a step, and do nothing
    * by default. What it finds in a step (faces, roots) it keeps itself, until
-   * it is asked to find it anew; what one of its steps hands to
-   * the next it tells in memory().
+   * it is asked to find it anew. What some effects have and others have not
+   * is a role with hooks of its own, which the effect hands out: a mass, a
+   * load, what couples nodes, a memory.
    *
-   * Owned by the balance. All hooks but add_load() and add_load_at_points()
-   * are collective.
+   * Owned by the balance. All hooks but those of loads are collective.
    */
   template <int dim>
   class Effect
@@ -86,71 +90,18 @@ namespace emmy
       return "";
     }
 
-    /**
-     * What the effect hands from one of its steps to the next, this rank's
-     * share: with it a run can go on. Empty: nothing.
-     */
-    virtual std::vector<double>
-    memory() const
+    /** What it hands from one of its steps to the next; null: nothing. */
+    virtual StepMemory *
+    memory()
     {
-      return {};
+      return nullptr;
     }
 
-    /**
-     * Go on from what memory() gave, perhaps on other ranks, and on more or
-     * fewer.
-     * @param parts first that of rank 0, on all ranks; then those of some
-     *   ranks, each of which comes to one rank
-     */
-    virtual void
-    recall(const std::vector<std::vector<double>> &parts)
+    /** How it couples nodes, or looks at them; null: it does not. */
+    virtual NodeCoupling<dim> *
+    coupling()
     {
-      (void)parts;
-    }
-
-    /** Whether the effect couples nodes, or adds mass to them. */
-    virtual bool
-    couples() const
-    {
-      return false;
-    }
-
-    /**
-     * Once in a step, before the grid is made: what is found now is held for
-     * as long as the step lasts.
-     */
-    virtual void
-    classify(const Stencils<dim>       &stencils,
-             const PointArrays<dim>    &points,
-             const BackgroundGrid<dim> &grid)
-    {
-      (void)stencils;
-      (void)points;
-      (void)grid;
-    }
-
-    /** When stencils have other nodes or cells than before: add what couples.
-     */
-    virtual void
-    couple(const Stencils<dim>           &stencils,
-           const BackgroundGrid<dim>     &grid,
-           const BoundaryConditions<dim> &boundary_conditions,
-           Couplings<dim>                &couplings)
-    {
-      (void)stencils;
-      (void)grid;
-      (void)boundary_conditions;
-      (void)couplings;
-    }
-
-    /**
-     * Whether couple() keeps weights of nodes: then it is called also where
-     * points reach the nodes of before with other weights.
-     */
-    virtual bool
-    couples_by_weights() const
-    {
-      return false;
+      return nullptr;
     }
 
     /** Its own mass; null: it has none. */
@@ -192,20 +143,6 @@ namespace emmy
     }
 
     /**
-     * Of a motion that solves the step: whether what classify() found is too
-     * little for it. Then the step is solved again, and classify() is to find
-     * more.
-     * @return what is missing, the same on all ranks; empty: nothing
-     */
-    virtual std::string
-    missing(const StepData<dim> &step, const Vector &displacement)
-    {
-      (void)step;
-      (void)displacement;
-      return "";
-    }
-
-    /**
      * Of the step that will be accepted: the forces on the body that hold fixed
      * unknowns, with what followers have handed over to them, N; zero
      * elsewhere.
@@ -225,33 +162,11 @@ namespace emmy
       (void)time_step;
     }
 
-    /** Whether there is a force that is fixed within a step. */
-    virtual bool
-    is_load() const
+    /** Its force that is fixed within a step; null: none. */
+    virtual const Load<dim> *
+    load() const
     {
-      return false;
-    }
-
-    /** Add the load to an array over local nodes: [dim * node + c], N. */
-    virtual void
-    add_load(const StepData<dim> &step, std::vector<double> &local_force) const
-    {
-      (void)step;
-      (void)local_force;
-    }
-
-    /**
-     * Add the load to an array over points, [dim * p + c], N, such that
-     * add_load() gives sum_p S_Ap f_p. Newton needs it where the particles'
-     * places are unknowns; with a load that has no such form it takes some more
-     * iterations.
-     */
-    virtual void
-    add_load_at_points(const StepData<dim> &step,
-                       std::vector<double> &point_force) const
-    {
-      (void)step;
-      (void)point_force;
+      return nullptr;
     }
 
     /** Whether there is a force that depends on the displacement. */
@@ -328,27 +243,11 @@ namespace emmy
       return energy_entries();
     }
 
-    /** Whether measure() has numbers. */
-    virtual bool
-    measures() const
+    /** Its numbers of the ledger that enter no balance; null: none. */
+    virtual StepMeasures<dim> *
+    measures()
     {
-      return false;
-    }
-
-    /**
-     * Numbers of the ledger that enter no balance: once per accepted step, and
-     * before the first. Always the same names in the same order.
-     * @param points states at @p time, s
-     */
-    virtual std::vector<StepMeasure>
-    measure(const PointArrays<dim>    &points,
-            const double               time,
-            const BackgroundGrid<dim> &grid)
-    {
-      (void)points;
-      (void)time;
-      (void)grid;
-      return {};
+      return nullptr;
     }
 
     /**

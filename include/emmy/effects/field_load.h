@@ -16,7 +16,7 @@ namespace emmy
    * a step.
    */
   template <int dim>
-  class FieldLoad : public Effect<dim>
+  class FieldLoad : public Effect<dim>, public Load<dim>
   {
   public:
     /**
@@ -27,10 +27,10 @@ namespace emmy
               const unsigned int            component,
               Amplitude                     amplitude = Amplitude());
 
-    bool
-    is_load() const override
+    const Load<dim> *
+    load() const override
     {
-      return true;
+      return this;
     }
     void
     add_load(const StepData<dim> &step,

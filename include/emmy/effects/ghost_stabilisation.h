@@ -33,14 +33,16 @@ namespace emmy
    * u.K_G u/2 is lost in each step.
    */
   template <int dim>
-  class GhostStabilisation : public Effect<dim>, public AddedMass<dim>
+  class GhostStabilisation : public Effect<dim>,
+                             public AddedMass<dim>,
+                             public NodeCoupling<dim>
   {
   public:
     /** With the faces that it acts on. */
     explicit GhostStabilisation(GhostFaces<dim> find);
 
-    bool
-    couples() const override;
+    NodeCoupling<dim> *
+    coupling() override;
     /** Finds the faces, whose nodes meet. */
     void
     couple(const Stencils<dim>           &stencils,

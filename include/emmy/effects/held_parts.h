@@ -15,7 +15,9 @@ namespace emmy
    * each velocity, displacement and account.
    */
   template <int dim>
-  class HeldParts : public Effect<dim>, public GivenMotion<dim>
+  class HeldParts : public Effect<dim>,
+                    public GivenMotion<dim>,
+                    public StepMeasures<dim>
   {
   public:
     /** Borrows the conditions. */
@@ -41,10 +43,10 @@ namespace emmy
 
     void
     see_reactions(const ActiveGrid<dim> &active, const Vector &force) override;
-    bool
-    measures() const override
+    StepMeasures<dim> *
+    measures() override
     {
-      return true;
+      return this;
     }
     std::vector<StepMeasure>
     measure(const PointArrays<dim>    &points,

@@ -5,6 +5,7 @@
 #include <emmy/effects/stress_states.h>
 
 #include <emmy/material/middle_step.h>
+#include <emmy/system/block_sum.h>
 #include <optional>
 
 namespace emmy

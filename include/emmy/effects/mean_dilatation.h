@@ -41,7 +41,7 @@ namespace emmy
    * from one pass to the next.
    */
   template <int dim>
-  class MeanDilatation : public ForceTerm<dim>
+  class MeanDilatation : public ForceTerm<dim>, public NodeCoupling<dim>
   {
   public:
     /** Which stress it averages. */
@@ -57,10 +57,10 @@ namespace emmy
     static EffectCard
     card(const bool is_present);
 
-    bool
-    couples() const override
+    NodeCoupling<dim> *
+    coupling() override
     {
-      return true;
+      return this;
     }
     /**
      * Where points flow: whether one does decides on the pressure of its whole

@@ -36,7 +36,9 @@ namespace emmy
    * owned nodes for each velocity and displacement.
    */
   template <int dim>
-  class MovingWalls : public Effect<dim>, public GivenMotion<dim>
+  class MovingWalls : public Effect<dim>,
+                      public GivenMotion<dim>,
+                      public StepMemory
   {
   public:
     /**
@@ -59,8 +61,13 @@ namespace emmy
     check_run(const double end_time) const;
 
     /** How far walls have moved, m. */
+    StepMemory *
+    memory() override
+    {
+      return this;
+    }
     std::vector<double>
-    memory() const override;
+    contents() const override;
     void
     recall(const std::vector<std::vector<double>> &parts) override;
     const GivenMotion<dim> *

@@ -61,7 +61,7 @@ namespace emmy
    * first that does. Owned by the effects. Cost: a pass over the owned nodes.
    */
   template <int dim>
-  class Reactions : public Effect<dim>
+  class Reactions : public Effect<dim>, public StepMeasures<dim>
   {
   public:
     /** Borrows the conditions. */
@@ -73,10 +73,10 @@ namespace emmy
 
     void
     see_reactions(const ActiveGrid<dim> &active, const Vector &force) override;
-    bool
-    measures() const override
+    StepMeasures<dim> *
+    measures() override
     {
-      return true;
+      return this;
     }
     std::vector<StepMeasure>
     measure(const PointArrays<dim>    &points,

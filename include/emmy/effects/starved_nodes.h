@@ -15,7 +15,10 @@ namespace emmy
    * follow others, see Aggregation. It has no force: it ties nodes of the grid.
    */
   template <int dim>
-  class StarvedNodes : public Effect<dim>
+  class StarvedNodes : public Effect<dim>,
+                       public NodeCoupling<dim>,
+                       public StepMemory,
+                       public StepMeasures<dim>
   {
   public:
     /** With the rule by which nodes starve. */
@@ -25,8 +28,8 @@ namespace emmy
     static EffectCard
     card(const bool is_present);
 
-    bool
-    couples() const override;
+    NodeCoupling<dim> *
+    coupling() override;
     void
     classify(const Stencils<dim>       &stencils,
              const PointArrays<dim>    &points,
@@ -38,8 +41,8 @@ namespace emmy
            Couplings<dim>                &couplings) override;
 
     /** How many follow, from how far, and the changes of class. */
-    bool
-    measures() const override;
+    StepMeasures<dim> *
+    measures() override;
     std::vector<StepMeasure>
     measure(const PointArrays<dim>    &points,
             const double               time,
@@ -48,8 +51,13 @@ namespace emmy
     std::string
     finding() override;
     /** The classes of the last step, and the worst so far. */
+    StepMemory *
+    memory() override
+    {
+      return this;
+    }
     std::vector<double>
-    memory() const override;
+    contents() const override;
     void
     recall(const std::vector<std::vector<double>> &parts) override;
 

@@ -92,7 +92,7 @@ namespace emmy
    * points.
    */
   template <int dim>
-  class Traction : public Effect<dim>
+  class Traction : public Effect<dim>, public Load<dim>
   {
   public:
     /** On these faces. */
@@ -101,10 +101,10 @@ namespace emmy
     std::string
     mark(const BackgroundGrid<dim>               &grid,
          dealii::Particles::ParticleHandler<dim> &particles) const override;
-    bool
-    is_load() const override
+    const Load<dim> *
+    load() const override
     {
-      return true;
+      return this;
     }
     void
     add_load(const StepData<dim> &step,

@@ -52,7 +52,10 @@ namespace emmy
    * stiffness for those that touch.
    */
   template <int dim>
-  class Tools : public Effect<dim>, public RankOneSource
+  class Tools : public Effect<dim>,
+                public RankOneSource,
+                public StepMemory,
+                public StepMeasures<dim>
   {
   public:
     /** Numbers of the fields that the tools read. */
@@ -74,8 +77,13 @@ namespace emmy
 
     /** How deep corners have sunk in so far, as told in the log, of s; travel
      * and speed of each tool that is pushed. */
+    StepMemory *
+    memory() override
+    {
+      return this;
+    }
     std::vector<double>
-    memory() const override;
+    contents() const override;
     void
     recall(const std::vector<std::vector<double>> &parts) override;
 
@@ -114,10 +122,10 @@ namespace emmy
     energies_at_start(const PointArrays<dim> &points,
                       const double            time) const override;
 
-    bool
-    measures() const override
+    StepMeasures<dim> *
+    measures() override
     {
-      return true;
+      return this;
     }
     /** Paths of the tools, and what acted on them in the last step. */
     std::vector<StepMeasure>

@@ -26,11 +26,11 @@ namespace emmy
     /**
      * Solves M~ v = p to round-off, from v on; false: it was not solved.
      * Collective.
-     * @param damped_mass what is factorised in place of M~
+     * @param conditions whether the essential ones, and those of followers,
+     *   are in force
      */
-    using Solve = std::function<bool(const Matrix      &damped_mass,
-                                     const Constraints &constraints,
-                                     Vector            &v)>;
+    using Conditions = typename NodalMatrix<dim>::Conditions;
+    using Solve = std::function<bool(const Conditions conditions, Vector &v)>;
 
     virtual ~VelocityMap() = default;
 

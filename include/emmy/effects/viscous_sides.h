@@ -40,7 +40,7 @@ namespace emmy
    * Cost: a pass over the groups.
    */
   template <int dim>
-  class ViscousSides : public ForceTerm<dim>
+  class ViscousSides : public ForceTerm<dim>, public NodeCoupling<dim>
   {
   public:
     /** Speeds in the undeformed material of a body, m/s. */
@@ -56,10 +56,10 @@ namespace emmy
                  const unsigned int        mass);
 
     /** To be told where the grid ends: by classify(). */
-    bool
-    couples() const override
+    NodeCoupling<dim> *
+    coupling() override
     {
-      return true;
+      return this;
     }
     void
     classify(const Stencils<dim>       &stencils,

@@ -14,19 +14,15 @@ namespace emmy
    * one without: they lose what the walls stop, w.M~ w / 2 with w what they
    * take from the grid's velocity.
    *
-   * Owned by the effects. Keeps a mass matrix and a velocity. Cost in a step:
-   * one more pass for the blocks of the mass, and a solve; with "unconstrained"
-   * in place of the other.
+   * Owned by the effects. Keeps a velocity. Cost in a step: a solve; with
+   * "unconstrained" in place of the other.
    */
   template <int dim>
   class WallMapping : public Effect<dim>, private VelocityMap<dim>
   {
   public:
-    /**
-     * @param kind "unconstrained" or "inelastic"
-     * @param mass_component of the particles
-     */
-    WallMapping(const std::string &kind, const unsigned int mass_component);
+    /** @param kind "unconstrained" or "inelastic" */
+    explicit WallMapping(const std::string &kind);
 
     /** "inelastic walls", in the card of a scene and the table of times. */
     static std::string
@@ -55,16 +51,8 @@ namespace emmy
     std::vector<EnergyEntry>
     loss_entries() const override;
 
-    /** GridStart::damped_mass without the essential conditions. */
-    void
-    assemble_mass(const StepData<dim> &step);
-
-    const bool         is_inelastic;
-    const unsigned int mass_component;
-    /** Whose sparsity the matrix has. */
-    std::shared_ptr<const ActiveGrid<dim>> active;
-    Matrix                                 damped_mass;
-    Vector                                 mapped_velocity; ///< m/s
+    const bool is_inelastic;
+    Vector     mapped_velocity; ///< m/s
   };
 } // namespace emmy
 

@@ -6,6 +6,7 @@
 #include <emmy/system/constraints.h>
 #include <emmy/system/node_places.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -141,13 +142,15 @@ namespace emmy
    * prepared with a matrix close to A. Starts from @p x, which satisfies the
    * constraints, and keeps what A cannot see of it. The identities of the
    * ledger need a small residual, not a small condition number.
+   * @param residual_of sets its first argument to b - A times the second
    */
   LinearResult
-  solve_to_round_off(LinearSolver      &solver,
-                     const Matrix      &A,
-                     const Constraints &constraints,
-                     const Vector      &b,
-                     Vector            &x);
+  solve_to_round_off(
+    LinearSolver                                        &solver,
+    const std::function<void(Vector &, const Vector &)> &residual_of,
+    const Constraints                                   &constraints,
+    const Vector                                        &b,
+    Vector                                              &x);
 } // namespace emmy
 
 #endif

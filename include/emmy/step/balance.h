@@ -179,10 +179,13 @@ namespace emmy
 
   private:
     friend class StepEquation<dim>;
-    /** Call a hook of each term that has it, its time booked to its effect. */
+    /**
+     * Call a hook of each term that has it, its time booked to its effect.
+     * @param has a member function of Effect
+     */
     template <class Has, class Hook>
     void
-    for_each(Phases *phases, Has (Effect<dim>::*has)() const, Hook hook) const;
+    for_each(Phases *phases, const Has has, Hook hook) const;
 
     const Effects<dim>                effects;
     std::unique_ptr<VelocityMap<dim>> map_of_method;
@@ -192,9 +195,7 @@ namespace emmy
   template <int dim>
   template <class Has, class Hook>
   void
-  Balance<dim>::for_each(Phases *phases,
-                         Has (Effect<dim>::*has)() const,
-                         Hook hook) const
+  Balance<dim>::for_each(Phases *phases, const Has has, Hook hook) const
   {
     for (std::size_t i = 0; i < effects.terms.size(); ++i)
       {

@@ -39,7 +39,7 @@ namespace emmy
    * in a condition number far below 1e13.
    */
   template <int dim>
-  const Matrix &
+  Matrix
   examined_mass(const GridStart<dim> &start);
 
   /**

@@ -183,13 +183,6 @@ namespace emmy
     {
       return node_graph;
     }
-    /** Pattern of all matrices on this grid; empty if there are none. */
-    const dealii::TrilinosWrappers::SparsityPattern &
-    sparsity() const
-    {
-      return node_graph.pattern();
-    }
-
     /** The active cells of this rank and the local indices of their nodes. */
     const std::vector<ActiveCell<dim>> &
     cells() const
@@ -234,7 +227,7 @@ namespace emmy
 
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> node_partition,
       dof_partition;
-    dealii::IndexSet owned_dofs, known_dofs;
+    dealii::IndexSet owned_dofs;
     Constraints      conditions;
     NodeGraph<dim>   node_graph;
     /** What make_vector() copies. */

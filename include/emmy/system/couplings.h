@@ -53,7 +53,7 @@ namespace emmy
   {
     const unsigned int         *nodes; ///< local indices
     dealii::FullMatrix<double> &mass;  ///< kg; the receiver may change it
-    /** What linear solvers add on the diagonal, kg: see GridStart::damped_mass.
+    /** What linear solvers add on the diagonal, kg: see GridStart::damping.
      */
     const std::vector<double> &damping;
   };

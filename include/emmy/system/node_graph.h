@@ -4,14 +4,18 @@
 #include <deal.II/base/index_set.h>
 
 #include <deal.II/lac/full_matrix.h>
-#include <deal.II/lac/trilinos_sparsity_pattern.h>
 
 #include <emmy/base/linear_algebra.h>
 #include <emmy/system/constraints.h>
+#include <emmy/system/foreign_rows.h>
 
+#include <cstdint>
+#include <memory>
 #include <unordered_map>
 #include <utility>
 #include <vector>
+
+class Epetra_CrsMatrix;
 
 namespace emmy
 {
@@ -37,10 +41,9 @@ namespace emmy
    * Which nodes of an active grid meet in its matrices, and where their
    * entries stand. Nodes are local indices; dim unknowns follow each other at
    * a node, and all of them meet. Small matrices of nodes that meet are added
-   * straight at their places, without a search; rows that another rank owns go
-   * through deal.II.
+   * straight at their places, without a search.
    *
-   * Owned by ActiveGrid. Cost: dim + 1 numbers for each pair of nodes.
+   * Owned by ActiveGrid. Cost: two numbers for each pair of nodes.
    */
   template <int dim>
   class NodeGraph
@@ -60,6 +63,58 @@ namespace emmy
       return first_dofs.size();
     }
 
+    /** The nodes that a local node meets, sorted, itself among them; [first,
+     * first + n) of all pairs. */
+    struct Row
+    {
+      const unsigned int *nodes;
+      unsigned int        n;
+      std::size_t         first;
+    };
+    Row
+    row(const unsigned int node) const
+    {
+      return {neighbours.data() + first[node],
+              static_cast<unsigned int>(first[node + 1] - first[node]),
+              first[node]};
+    }
+    std::size_t
+    n_pairs() const
+    {
+      return neighbours.size();
+    }
+    /** Where component c of a pair's second node stands in the rows of the
+     * first. */
+    unsigned int
+    place(const std::size_t pair, const unsigned int c) const
+    {
+      return dim * places[pair] + c;
+    }
+    /** What is added to the row of a local unknown. */
+    double *
+    entries_of(const unsigned int unknown, Matrix &matrix) const;
+    /** Whether a local unknown, dim * node + c, has no condition. */
+    bool
+    is_free(const unsigned int unknown) const
+    {
+      return free_unknowns[unknown] != 0;
+    }
+    /**
+     * Call function(unknown, weight) for those free unknowns of which a local
+     * one is a sum: itself, none, or the roots of a follower that are free.
+     */
+    template <class Function>
+    void
+    for_each_root(const unsigned int unknown, const Function &function) const
+    {
+      if (free_unknowns[unknown])
+        function(unknown, 1.);
+      else if (is_following[unknown])
+        for (const auto &[root, weight] : roots_of.at(unknown))
+          if (free_unknowns[root])
+            function(root, weight);
+    }
+
     /** Whether the conditions are worked into a matrix. */
     enum class Conditions
     {
@@ -68,30 +123,39 @@ namespace emmy
     };
 
     /** None. */
-    NodeGraph()                  = default;
+    NodeGraph();
     NodeGraph(const NodeGraph &) = delete;
+    ~NodeGraph();
 
     /**
      * Make it, and the pattern of the matrices. Once. Collective.
      * @param cliques     of this rank; followers bring their roots along
      * @param first_dofs  of each local node; owned nodes come first
      * @param owned_dofs  those of this rank, without gaps
-     * @param known_dofs  those of all local nodes
      */
     void
     make(const std::vector<Clique>                          &cliques,
          const std::vector<dealii::types::global_dof_index> &first_dofs,
          const dealii::IndexSet                             &owned_dofs,
-         const dealii::IndexSet                             &known_dofs,
          const Constraints                                  &constraints,
          const MPI_Comm                                      communicator);
 
-    /** For Trilinos' matrices. */
-    const dealii::TrilinosWrappers::SparsityPattern &
-    pattern() const
-    {
-      return sparsity;
-    }
+    /** Make a matrix on it, zero. Collective. */
+    void
+    reinit(Matrix &matrix) const;
+    /** Set a matrix to zero. */
+    void
+    clear(Matrix &matrix) const;
+    /**
+     * After the last block of a matrix, before the first one of another: what
+     * belongs to rows of other ranks goes there. Collective.
+     */
+    void
+    finish(Matrix &matrix) const;
+
+    /** How many entries a matrix has, over all ranks. Collective. */
+    std::uint64_t
+    n_nonzeros() const;
 
     /**
      * Add a matrix of the unknowns of some nodes that meet, with the
@@ -130,12 +194,16 @@ namespace emmy
     find_plain_nodes();
     void
     find_neighbours(std::vector<Clique> cliques);
+    /**
+     * Of the rows to which other ranks add: columns of the matrix, in nodes.
+     * @param column_dofs those that no local node is are appended
+     */
+    std::vector<std::vector<unsigned int>>
+    columns_of_others(const dealii::types::global_dof_index first_owned,
+                      Dofs                                 &column_dofs) const;
     void
     make_pattern(const dealii::IndexSet &owned_dofs,
-                 const dealii::IndexSet &known_dofs,
                  const MPI_Comm          communicator);
-    void
-    find_places();
 
     /** Add a matrix of the unknowns in list. */
     void
@@ -167,8 +235,8 @@ namespace emmy
     unsigned int n_owned = 0; ///< nodes
     /** By local unknown: whether it has no condition, and whether it follows.
      */
-    std::vector<char> is_free, is_following;
-    /** By local node: whether it is owned, and no unknown has a condition. */
+    std::vector<char> free_unknowns, is_following;
+    /** By local node: whether no unknown has a condition. */
     std::vector<char>                        is_plain;
     std::unordered_map<unsigned int, Shares> roots_of;
 
@@ -176,9 +244,11 @@ namespace emmy
      */
     std::vector<std::size_t>  first;
     std::vector<unsigned int> neighbours;
-    /** Of the unknowns of the neighbours of owned nodes: index in the rows. */
-    std::vector<unsigned int>                 places;
-    dealii::TrilinosWrappers::SparsityPattern sparsity;
+    /** Of each pair: where its second node stands in the rows of the first,
+     * in nodes. */
+    std::vector<unsigned int>               places;
+    ForeignRows<dim>                        foreign;
+    std::unique_ptr<const Epetra_CrsMatrix> pattern;
 
     // work arrays of a call
     mutable std::vector<unsigned int> place_of_node, marked_by;
@@ -187,46 +257,8 @@ namespace emmy
     /** Index among nodes, and where in places, of those that a node meets. */
     mutable std::vector<std::pair<unsigned int, std::size_t>> node_places;
     mutable Unknowns                                          list, extended;
-    mutable Dofs                                              dofs;
     mutable std::vector<Shares>                               shares;
     mutable dealii::FullMatrix<double> in_order, half_condensed, condensed;
-  };
-
-  /**
-   * Sums small matrices of nodes that are close to each other, before they are
-   * added to a matrix at once. Worth it where groups of nodes overlap: with
-   * GIMP every particle may have nodes of its own, and those of neighbours are
-   * almost the same.
-   */
-  template <int dim>
-  class BlockSum
-  {
-  public:
-    /** Adds blocks of nodes to a matrix. */
-    BlockSum(const NodeGraph<dim> &graph, Matrix &matrix);
-
-    /** As NodeGraph::add(). */
-    void
-    add(const unsigned int *nodes, const ComponentBlocks &blocks);
-
-    /** Hand over what is there; once after the last block. */
-    void
-    flush();
-
-  private:
-    /** Of the boxes of two cells' edge that particles of a cell's size reach.
-     */
-    static constexpr unsigned int most_nodes = dim == 2 ? 9 : 27;
-
-    const NodeGraph<dim>     &graph;
-    Matrix                   &matrix;
-    std::vector<unsigned int> members;
-    /** Of each local node: its index among the members, or none. */
-    std::vector<unsigned int> index_of;
-    std::vector<unsigned int> indices;
-    /** Room for so many nodes in the sum. */
-    unsigned int        room = 0;
-    std::vector<double> sum; ///< [((i dim + j) room + a) room + b]
   };
 } // namespace emmy
 

@@ -4,7 +4,7 @@
 #include <emmy/base/phases.h>
 #include <emmy/particles/field_layout.h>
 #include <emmy/particles/point_arrays.h>
-#include <emmy/system/active_grid.h>
+#include <emmy/system/nodal_matrix.h>
 
 #include <memory>
 
@@ -59,17 +59,17 @@ namespace emmy
     std::shared_ptr<const ActiveGrid<dim>> active;
     /** epsilon of M~, see PointMapping. */
     double lumping = 0.;
-    /** Effective mass M~ over all unknowns, without constraints, kg. */
-    Matrix mass;
+    /** Effective mass M~, without constraints, kg. */
+    NodalMatrix<dim> mass;
     /**
-     * What linear solvers factorise in place of M~: with the constraints
-     * worked in, and damped with mass_damping times the lumped
-     * mass. M~ is singular wherever a new cell holds fewer particles than it
-     * adds nodes. The damping does not change any result: the map is refined
-     * until M~ v = p holds to round-off, and Newton's residual knows only M~.
-     * Lumped, because then a rigid translation remains one.
+     * What linear solvers add on the diagonal of M~, by local node, this
+     * rank's share, kg: mass_damping times the lumped mass. M~ is singular
+     * wherever a new cell holds fewer particles than it adds nodes. The
+     * damping does not change any result: the map is refined until M~ v = p
+     * holds to round-off, and Newton's residual knows only M~. Lumped, because
+     * then a rigid translation remains one.
      */
-    Matrix damped_mass;
+    std::vector<double> damping;
     /** Momentum p_A = sum m_p S_Ap v_p, kg m/s. */
     Vector momentum;
     /**
@@ -85,6 +85,19 @@ namespace emmy
     std::function<void(const ActiveGrid<dim> &, const MassReceiver &)>
       hand_out_mass = nullptr;
 
+    /**
+     * Add the damped mass with the constraints worked in, times a factor, to a
+     * matrix of the unknowns, before NodeGraph::finish().
+     */
+    void
+    add_mass_to(Matrix &jacobian, const double factor) const
+    {
+      mass.add_to(jacobian,
+                  factor,
+                  NodeGraph<dim>::Conditions::worked_in,
+                  damping);
+    }
+
     /** The mass that effects add, block by block. */
     void
     hand_out_added_mass(const MassReceiver &receive) const
@@ -93,6 +106,23 @@ namespace emmy
         hand_out_mass(*active, receive);
     }
   };
+
+  /** Whether a mass is taken with its damping. */
+  enum class Damped
+  {
+    yes,
+    no
+  };
+
+  /**
+   * M~ as a matrix of all unknowns, kg, for those who factorise it: it takes
+   * dim^2 times the memory. Collective.
+   */
+  template <int dim>
+  Matrix
+  mass_of_unknowns(const GridStart<dim>                       &start,
+                   const typename NodalMatrix<dim>::Conditions conditions,
+                   const Damped                                damped);
 
   /** Row sums of M~ at the local nodes, kg. Collective. */
   template <int dim>
@@ -126,7 +156,7 @@ namespace emmy
                const PointArrays<dim> &points,
                const Couplings<dim>   &couplings = Couplings<dim>());
 
-    /** The same, with the matrices of the mass left as they were. */
+    /** The same, with the mass left as it was. */
     GridStart<dim> &
     renew_but_for_mass(const Stencils<dim>    &stencils,
                        const PointArrays<dim> &points,
@@ -141,7 +171,7 @@ namespace emmy
     {
       return start;
     }
-    /** The matrices of the mass, on the active nodes of the last renewal. */
+    /** The mass, on the active nodes of the last renewal. */
     void
     assemble_mass(const Stencils<dim>    &stencils,
                   const PointArrays<dim> &points);
