@@ -159,6 +159,7 @@ namespace emmy
                                       communicator),
                       margin,
                       here);
+    is_coupled.assign(candidates.pairs.size(), false);
     exchange.begin(candidates, communicator);
     if (has_friction())
       springs_held = exchange.springs_of(candidates, springs);
@@ -174,6 +175,7 @@ namespace emmy
                const unsigned int                   q)
     {
       std::vector<double> result;
+      result.reserve((dim + 1) * group.n_nodes);
       for (unsigned int a = 0; a < group.n_nodes; ++a)
         {
           result.push_back(stencils.value(group, a)[q]);
@@ -191,20 +193,30 @@ namespace emmy
                            const BoundaryConditions<dim> &,
                            Couplings<dim> &couplings)
   {
-    find_where(stencils);
+    find_where(stencils, grid);
     if (exchange.is_needed())
       exchange_nodes(grid, couplings);
+    find_coupled(stencils.at_middle);
 
+    // numbered by their nodes: the same couplings in any order of particles
     std::map<NodeIds, unsigned int> lists;
+    for (const Where &candidate : where)
+      lists.emplace(candidate.ids, 0);
+    unsigned int n_lists = 0;
+    for (auto &[ids, number] : lists)
+      {
+        (void)ids;
+        number = n_lists++;
+      }
     for (Where &candidate : where)
-      candidate.nodes =
-        lists.emplace(candidate.ids, lists.size()).first->second;
+      candidate.nodes = lists.at(candidate.ids);
     std::map<std::pair<unsigned int, unsigned int>, std::vector<unsigned int>>
       by_nodes;
     for (unsigned int k = 0; k < candidates.pairs.size(); ++k)
-      by_nodes[{where[candidates.pairs[k].first].nodes,
-                where[candidates.pairs[k].second].nodes}]
-        .push_back(k);
+      if (is_coupled[k])
+        by_nodes[{where[candidates.pairs[k].first].nodes,
+                  where[candidates.pairs[k].second].nodes}]
+          .push_back(k);
     cliques.clear();
     for (auto &[lists_of_pair, pairs] : by_nodes)
       {
@@ -224,15 +236,50 @@ namespace emmy
   }
 
   template <int dim>
+  bool
+  BodyContact<dim>::nearly_touch(const ParticlePair &pair) const
+  {
+    // arms may turn and stretch
+    constexpr double            slack = 0.25;
+    const ContactParticle<dim> &one   = candidates.particles[pair.first],
+                               &two   = candidates.particles[pair.second];
+    const double reach                = rules.law(one.body, two.body).reach;
+    const double near                 = (1. + slack / rules.radius) * reach;
+    // places are those of the middle of the step
+    const Tensor<1, dim> between = one.place - two.place;
+    const Tensor<1, dim> way =
+      2. * (where[pair.first].place - where[pair.second].place - between);
+    return std::any_of(pair.points.begin(),
+                       pair.points.end(),
+                       [&](const auto &points) {
+                         const Tensor<1, dim> x =
+                           between + one.F * rules.point(one.body, points[0]) -
+                           two.F * rules.point(two.body, points[1]);
+                         return x.norm_square() < near * near ||
+                                (x + way).norm_square() < near * near;
+                       });
+  }
+
+  template <int dim>
   void
-  BodyContact<dim>::find_where(const Stencils<dim> &stencils)
+  BodyContact<dim>::find_coupled(const bool at_middle)
+  {
+    for (unsigned int k = 0; k < is_coupled.size(); ++k)
+      is_coupled[k] =
+        is_coupled[k] || !at_middle || nearly_touch(candidates.pairs[k]);
+  }
+
+  template <int dim>
+  void
+  BodyContact<dim>::find_where(const Stencils<dim>       &stencils,
+                               const BackgroundGrid<dim> &grid)
   {
     const auto               &particles = candidates.particles;
     std::vector<unsigned int> at_place(stencils.order.size(), none);
     for (unsigned int i = 0; i < particles.size(); ++i)
       if (particles[i].owner == here)
         at_place[particles[i].index] = i;
-    where.assign(particles.size(), {none, none, 0, {}, {}});
+    where.assign(particles.size(), {none, none, 0, {}, {}, {}});
     at_point.assign(stencils.order.size(), none);
     in_order.clear();
     for (unsigned int g = 0; g < stencils.groups.size(); ++g)
@@ -244,12 +291,17 @@ namespace emmy
           if (i == none)
             continue;
           const auto begin = stencils.node_ids.begin() + group.first_node;
-          where[i]         = {g,
-                              q,
-                              0,
-                              NodeIds(begin, begin + group.n_nodes),
-                              weights_of(stencils, group, q)};
-          at_point[p]      = i;
+          dealii::Point<dim> place;
+          for (unsigned int a = 0; a < group.n_nodes; ++a)
+            place += stencils.value(group, a)[q] *
+                     dealii::Tensor<1, dim>(grid.node_position(begin[a]));
+          where[i]    = {g,
+                         q,
+                         0,
+                         place,
+                         NodeIds(begin, begin + group.n_nodes),
+                         weights_of(stencils, group, q)};
+          at_point[p] = i;
           in_order.push_back(i);
         }
   }
@@ -340,6 +392,7 @@ namespace emmy
               static_cast<dealii::types::global_dof_index>(*number++);
             const auto x = point_from<dim>(number);
             where[i].ids.push_back(id);
+            where[i].place += *number * Tensor<1, dim>(x);
             where[i].weights.insert(where[i].weights.end(),
                                     number,
                                     number + dim + 1);

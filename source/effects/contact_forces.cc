@@ -89,6 +89,8 @@ namespace emmy
               }
             motion.find_arms(step.stencils.at_middle);
           }
+        result[i].places.reserve(rules.n_points());
+        result[i].ways.reserve(rules.n_points());
         for (unsigned int k = 0; k < rules.n_points(); ++k)
           {
             const Tensor<1, dim> xi = rules.point(particle.body, k);
@@ -146,19 +148,22 @@ namespace emmy
                    &two          = candidates.particles[pair.second];
         const PairLaw law        = rules.law(one.body, two.body);
         const double  reach      = law.reach * law.reach;
+        // springs are held where points touched, but for round-off
+        const double held   = (1. + 1e-6) * reach;
+        const State &of_one = states[pair.first], &of_two = states[pair.second];
         for (const auto &[i, j] : pair.points)
           {
-            const State &of_one         = states[pair.first],
-                        &of_two         = states[pair.second];
             const Tensor<1, dim> before = of_one.places[i] - of_two.places[j];
             const Tensor<1, dim> after =
               before + of_one.ways[i] - of_two.ways[j];
+            if (before.norm_square() >= held && after.norm_square() >= reach)
+              continue;
             const PairKey  key{{one.id, two.id, i, j}};
             Tensor<1, dim> spring;
             if (!springs_held.empty())
-              if (const auto held = springs_held.find(key);
-                  held != springs_held.end())
-                spring = held->second;
+              if (const auto found = springs_held.find(key);
+                  found != springs_held.end())
+                spring = found->second;
             if (before.norm_square() >= reach && after.norm_square() >= reach &&
                 spring.norm_square() == 0.)
               continue;
@@ -202,6 +207,7 @@ namespace emmy
                       const auto &[first, second, points] = candidates.pairs[k];
                       (void)points;
                       acts[first] = acts[second] = true;
+                      is_coupled[k]              = true;
                       if (jacobian)
                         across[k].acts = true;
                       for (unsigned int i = 0; i < n_motion; ++i)

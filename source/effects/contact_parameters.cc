@@ -97,7 +97,7 @@ namespace emmy
     require(stiffness >= 0.,
             "Stiffness factor",
             stiffness,
-            "must not be negative; 0.3 is good.");
+            "must not be negative; 1 is good.");
   }
 
   template <int dim>

@@ -105,25 +105,44 @@ namespace emmy
       return result;
     }
 
+    /** A particle with its contact points. */
+    template <int dim>
+    struct Reaching
+    {
+      const ContactParticle<dim> &particle;
+      double                      arm;    ///< m
+      std::vector<Tensor<1, dim>> points; ///< m
+
+      Reaching(const ContactRules<dim>    &rules,
+               const ContactParticle<dim> &particle)
+        : particle(particle)
+        , arm(particle.arm(rules.bodies[particle.body]))
+      {
+        points.reserve(rules.n_points());
+        for (unsigned int i = 0; i < rules.n_points(); ++i)
+          points.push_back(particle.place +
+                           particle.F * rules.point(particle.body, i));
+      }
+    };
+
     /** The contact points of two particles that may touch. */
     template <int dim>
     std::vector<std::array<unsigned char, 2>>
-    near_points(const ContactRules<dim>    &rules,
-                const ContactParticle<dim> &one,
-                const ContactParticle<dim> &two,
-                const double                margin)
+    near_points(const ContactRules<dim> &rules,
+                const Reaching<dim>     &one,
+                const Reaching<dim>     &two,
+                const double             margin)
     {
       std::vector<std::array<unsigned char, 2>> result;
-      const double         reach = rules.law(one.body, two.body).reach + margin;
-      const Tensor<1, dim> between = one.place - two.place;
-      if (between.norm() >= reach + one.arm(rules.bodies[one.body]) +
-                              two.arm(rules.bodies[two.body]))
+      const double                              reach =
+        rules.law(one.particle.body, two.particle.body).reach + margin;
+      const double farthest = reach + one.arm + two.arm;
+      if ((one.particle.place - two.particle.place).norm_square() >=
+          farthest * farthest)
         return result;
-      for (unsigned int i = 0; i < rules.n_points(); ++i)
-        for (unsigned int j = 0; j < rules.n_points(); ++j)
-          if ((between + one.F * rules.point(one.body, i) -
-               two.F * rules.point(two.body, j))
-                .norm() < reach)
+      for (unsigned int i = 0; i < one.points.size(); ++i)
+        for (unsigned int j = 0; j < two.points.size(); ++j)
+          if ((one.points[i] - two.points[j]).norm_square() < reach * reach)
             result.push_back(
               {{static_cast<unsigned char>(i), static_cast<unsigned char>(j)}});
       return result;
@@ -175,13 +194,18 @@ namespace emmy
 
     const auto near = near_others(rules, found.particles, distance);
     std::vector<std::pair<dealii::Point<dim>, unsigned int>> places;
-    for (const unsigned int i : near)
-      places.emplace_back(found.particles[i].place, i);
+    std::vector<Reaching<dim>>                               reaching;
+    reaching.reserve(near.size());
+    for (unsigned int n = 0; n < near.size(); ++n)
+      {
+        places.emplace_back(found.particles[near[n]].place, n);
+        reaching.emplace_back(rules, found.particles[near[n]]);
+      }
     const auto tree = dealii::pack_rtree(places);
     std::vector<std::pair<dealii::Point<dim>, unsigned int>> around;
-    for (const unsigned int i : near)
+    for (unsigned int n = 0; n < near.size(); ++n)
       {
-        const ContactParticle<dim> &one = found.particles[i];
+        const ContactParticle<dim> &one = found.particles[near[n]];
         Box<dim>                    box({one.place, one.place});
         box.extend(distance);
         around.clear();
@@ -191,17 +215,17 @@ namespace emmy
                   [](const auto &a, const auto &b) {
                     return a.second < b.second;
                   });
-        for (const auto &[place, j] : around)
+        for (const auto &[place, m] : around)
           {
             (void)place;
-            const ContactParticle<dim> &two = found.particles[j];
-            if (j <= i ||
+            const ContactParticle<dim> &two = found.particles[near[m]];
+            if (m <= n ||
                 rules.bodies[one.body].group == rules.bodies[two.body].group ||
                 (one.owner != rank && two.owner != rank))
               continue;
-            auto points = near_points(rules, one, two, margin);
+            auto points = near_points(rules, reaching[n], reaching[m], margin);
             if (!points.empty())
-              found.pairs.push_back({i, j, std::move(points)});
+              found.pairs.push_back({near[n], near[m], std::move(points)});
           }
       }
     leave_out_lone(found);

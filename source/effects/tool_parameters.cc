@@ -31,9 +31,10 @@ namespace emmy
                         stiffness,
                         "Of the penalty, in P-wave moduli M of the body over "
                         "the spacing of its particles: a pressure sigma sinks "
-                        "in by sigma/(Stiffness M) of the spacing. 10 is "
-                        "good for what bounces, rolls or slides, 100 for "
-                        "plates that press. Dimensionless, positive.",
+                        "in by sigma/(Stiffness M) of the spacing. 0: 100 of "
+                        "a smooth plane whose displacement is given, a plate "
+                        "that presses; 10 of others, on which bodies bounce, "
+                        "roll or slide. Dimensionless, not negative.",
                         this->prm,
                         Double());
     this->add_parameter("Friction coefficient",
@@ -65,6 +66,17 @@ namespace emmy
   ToolParameters<dim>::is_turning() const
   {
     return dealii::Utilities::trim(motion.rotation) != "0";
+  }
+
+  template <int dim>
+  double
+  ToolParameters<dim>::stiffness_meant() const
+  {
+    constexpr double of_plates = 100., of_others = 10.;
+    const bool       moves =
+      !motion.displacement.empty() || !motion.displacement_table.empty();
+    const bool presses = shape_name == "plane" && friction == 0. && moves;
+    return stiffness > 0. ? stiffness : presses ? of_plates : of_others;
   }
 
   template <int dim>
@@ -103,10 +115,10 @@ namespace emmy
                                 const std::string &what) {
       AssertThrow(fact, ExcParameter(path(), entry, value, what));
     };
-    require(stiffness > 0.,
+    require(stiffness >= 0.,
             "Stiffness",
             shortest(stiffness),
-            "must be positive; 10 is good, 100 for plates.");
+            "must be positive; 10 is good, 100 for plates. 0: one of these.");
     require(friction >= 0.,
             "Friction coefficient",
             shortest(friction),
@@ -130,7 +142,7 @@ namespace emmy
     return {name,
             shape->make(),
             ToolMotion<dim>(motion, *this),
-            stiffness,
+            stiffness_meant(),
             friction,
             spring_stiffness,
             friction > 0. ? first : Tool<dim>::none,

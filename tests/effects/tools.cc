@@ -227,7 +227,7 @@ namespace
             {"it/Reference point", "2 coordinates"});
     refused(tool("set Reference point = 0, 1\nset Shape = plane\n"),
             {"it/plane/Normal", "2 components, not all zero"});
-    refused(tool(plane + "set Stiffness = 0\n"), {"it/Stiffness", "positive"});
+    refused(tool(plane + "set Stiffness = -1\n"), {"it/Stiffness", "positive"});
     refused(tool(plane + "set Friction coefficient = -1\n"),
             {"it/Friction coefficient", "not be negative"});
     refused(tool(plane + "set Holds = true\nset Friction coefficient = 1\n"),

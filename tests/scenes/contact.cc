@@ -144,7 +144,7 @@ namespace
        0.},
       {"wide",
        "set Geometry = start\nset Starved threshold = 0.1\n",
-       "",
+       "set Stiffness factor = 0.3\n",
        2,
        0.01,
        -0.9930096728,

@@ -18,9 +18,14 @@ namespace emmy
    * if the bodies have moved by more than the margin, missing() says so, and
    * the step is solved again with a larger one.
    *
+   * Nodes are coupled only by pairs of particles that touch, or nearly: where
+   * the grid is undeformed in the middle of the step, the stencils tell where
+   * the last iterate leads. A pair that touches against that estimate has its
+   * derivative from the next iteration on.
+   *
    * Cost: a search in each step; in each evaluation a sweep over the particles,
-   * as for tools, some roots for each candidate, and for each pair of particles
-   * that touch a matrix of the nodes of both.
+   * as for tools, some products for each candidate, and for each pair of
+   * particles that touch a matrix of the nodes of both.
    */
   template <int dim>
   class BodyContact : public Effect<dim>,
@@ -138,6 +143,7 @@ namespace emmy
     {
       unsigned int        group, point; ///< of this rank; else none
       unsigned int        nodes;        ///< among all lists of nodes
+      dealii::Point<dim>  place;        ///< that of the stencils, m
       NodeIds             ids;
       std::vector<double> weights; ///< W: S, grad S, [(dim + 1) a + l]
 
@@ -182,7 +188,13 @@ namespace emmy
              const unsigned int         q,
              const std::vector<double> &local_displacement) const;
     void
-    find_where(const Stencils<dim> &stencils);
+    find_where(const Stencils<dim> &stencils, const BackgroundGrid<dim> &grid);
+    /** Whether two particles touch in the step, or nearly, as places say. */
+    bool
+    nearly_touch(const ParticlePair &pair) const;
+    /** Note which pairs of particles couple their nodes. */
+    void
+    find_coupled(const bool at_middle);
     /** Nodes of candidates that other ranks own, and whom they follow. */
     void
     exchange_nodes(const BackgroundGrid<dim> &grid, Couplings<dim> &couplings);
@@ -241,7 +253,9 @@ namespace emmy
     std::vector<unsigned int>               in_order; ///< of the stencils
     std::vector<unsigned int>               at_point; ///< candidate, or none
     std::vector<Clique>                     cliques;
-    ContactExchange<dim>                    exchange;
+    /** By pair of candidates; what touches joins. */
+    mutable std::vector<char> is_coupled;
+    ContactExchange<dim>      exchange;
     /** At t, on the ranks that own the first particles; all those of now. */
     PairSprings<dim> springs, springs_held;
     mutable Found    found;

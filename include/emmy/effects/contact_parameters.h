@@ -47,7 +47,7 @@ namespace emmy
 
     std::string  groups;
     double       friction = 0., spring_stiffness = 1.;
-    double       radius = 2.5, stiffness = 0.3;
+    double       radius = 2.5, stiffness = 1.;
     unsigned int exponent = 3, points_per_direction = 2;
   };
 } // namespace emmy

@@ -42,10 +42,17 @@ namespace emmy
     const std::string name; ///< as in `Names`
 
   private:
+    /**
+     * The stiffness that is meant: 100 of a smooth plane whose displacement is
+     * given, a plate that presses; 10 of others, unless it is given.
+     */
+    double
+    stiffness_meant() const;
+
     std::string               shape_name;
     ToolMotionParameters<dim> motion;
     ToolPushParameters<dim>   push;
-    double stiffness = 10., friction = 0., spring_stiffness = 0.1;
+    double stiffness = 0., friction = 0., spring_stiffness = 0.1;
     bool   holds = false;
     std::unique_ptr<ToolShapeParameters<dim>> shape;
   };
