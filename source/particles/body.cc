@@ -94,6 +94,29 @@ namespace emmy
 
   namespace
   {
+    /** Of a body that is far from the size of the grid: a unit, perhaps. */
+    template <int dim>
+    std::string
+    size_hint(const Body<dim> &body, const BackgroundGrid<dim> &grid)
+    {
+      const auto box = body.shape->bounding_box();
+      if (!is_bounded(box))
+        return "";
+      double cells = 0., grids = 0.;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          const double whole = grid.upper_corner()[d] - grid.lower_corner()[d];
+          grids              = std::max(grids, box.side_length(d) / whole);
+          cells = std::max(cells, box.side_length(d) / grid.cell_size()[d]);
+        }
+      if (grids > 10.)
+        return "; it is " + brief(grids) +
+               " times as long as the grid: is it in millimetres?";
+      return cells < 0.1 ? "; it is " + brief(cells) +
+                             " of a cell long: is its scale right?"
+                         : "";
+    }
+
     /** What is wrong with the extent of a body, if anything. */
     template <int dim>
     std::string
@@ -118,7 +141,8 @@ namespace emmy
                    shortest(box.upper_bound(d)) +
                    " m, which is not inside the grid, " +
                    shortest(grid.lower_corner()[d]) + " ... " +
-                   shortest(grid.upper_corner()[d]) + " m";
+                   shortest(grid.upper_corner()[d]) + " m" +
+                   size_hint(body, grid);
         }
       return "";
     }
@@ -257,7 +281,8 @@ namespace emmy
           ? ""
           : "body <" + bodies[empty - n_points.begin()].name +
               "> holds no particle: no box centre of the cells' subdivision lies "
-              "in its shape",
+              "in its shape" +
+              size_hint(bodies[empty - n_points.begin()], grid),
         "raise its Points per direction, refine the grid, or check its shape.");
       return result;
     }
