@@ -289,7 +289,7 @@ namespace emmy
   } // namespace
 
   template <int dim>
-  void
+  FilledRows
   fill(const std::vector<Body<dim>>            &bodies,
        const BackgroundGrid<dim>               &grid,
        const FieldLayout                       &layout,
@@ -313,6 +313,8 @@ namespace emmy
       n_local += filling.points.size();
     dealii::types::particle_index id =
       sum_below_and_total(n_local, communicator).first;
+    FilledRows filled;
+    filled.first_id = id;
 
     const unsigned int velocity = layout["velocity"], mass = layout["mass"],
                        volume               = layout["reference_volume"],
@@ -341,11 +343,15 @@ namespace emmy
           {
             const Point<dim> &point = filling.points[i];
             auto              start = from.velocity_at(point);
+            filled.rows.push_back(0);
             if (table)
               {
-                const auto row = lattices[filling.body].rows_in(key)[i];
-                values[volume] = table->volumes[row];
-                values[mass]   = from.density * values[volume];
+                const auto row     = lattices[filling.body].rows_in(key)[i];
+                values[volume]     = table->volumes[row];
+                values[mass]       = table->masses.empty()
+                                       ? from.density * values[volume]
+                                       : table->masses[row];
+                filled.rows.back() = row;
                 if (!table->velocities.empty())
                   start += table->velocities[row];
               }
@@ -375,18 +381,19 @@ namespace emmy
                    "correct its Initial velocity, which must be finite at "
                    "every particle.");
     particles.update_cached_numbers();
+    return filled;
   }
 
-#define INSTANTIATE(dim)                                       \
-  template std::vector<typename BackgroundGrid<dim>::Occupied> \
-  occupied_cells<dim>(const std::vector<Body<dim>> &,          \
-                      const BackgroundGrid<dim> &);            \
-  template dealii::Tensor<1, dim> initial_half_length<dim>(    \
-    const Body<dim> &, const BackgroundGrid<dim> &);           \
-  template void fill<dim>(const std::vector<Body<dim>> &,      \
-                          const BackgroundGrid<dim> &,         \
-                          const FieldLayout &,                 \
-                          dealii::Particles::ParticleHandler<dim> &);
+#define INSTANTIATE(dim)                                        \
+  template std::vector<typename BackgroundGrid<dim>::Occupied>  \
+  occupied_cells<dim>(const std::vector<Body<dim>> &,           \
+                      const BackgroundGrid<dim> &);             \
+  template dealii::Tensor<1, dim> initial_half_length<dim>(     \
+    const Body<dim> &, const BackgroundGrid<dim> &);            \
+  template FilledRows fill<dim>(const std::vector<Body<dim>> &, \
+                                const BackgroundGrid<dim> &,    \
+                                const FieldLayout &,            \
+                                dealii::Particles::ParticleHandler<dim> &);
   INSTANTIATE(2)
   INSTANTIATE(3)
 #undef INSTANTIATE

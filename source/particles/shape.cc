@@ -256,23 +256,37 @@ namespace emmy
       explicit TableParameters(const std::string &section)
         : ShapeParameters<dim>(section)
       {
-        this->add_parameter("File",
-                            file,
-                            "A table with the columns x, y (and z) in m, "
-                            "volume in m^3 (in plane strain m^2) and, if "
-                            "wanted, vx, vy (and vz) in m/s, which add to the "
-                            "body's. Its first line names them. <Points per "
-                            "direction> is not used. Required.");
+        this->add_parameter(
+          "File",
+          table.file,
+          "A table (CSV, or points of a .vtu) with the "
+          "columns x, y (and z) in m, volume in m^3 (in plane "
+          "strain m^2) and, if wanted, vx, vy (and vz) in "
+          "m/s, which add to the body's; mass or density; and "
+          "what particles have suffered, as cauchy_stress_xx, "
+          "... <Points per direction> is not used. Required.");
+        this->add_parameter("Rows of body",
+                            table.body,
+                            "Of a file with a column <body>: the number of the "
+                            "body whose rows count, from 0. -1: all do.",
+                            this->prm,
+                            dealii::Patterns::Integer(-1));
+        this->add_parameter("Leave out",
+                            table.left_out,
+                            "Columns of the file that do not count. Those that "
+                            "a body has no use for are refused.");
       }
 
       std::unique_ptr<Shape<dim>>
       make() const override
       {
-        return read_particle_table<dim>(file, this->path());
+        TableFile from = table;
+        from.section   = this->path();
+        return read_particle_table<dim>(from);
       }
 
     private:
-      std::string file;
+      TableFile table;
     };
 
     template <int dim>
