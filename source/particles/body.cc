@@ -107,7 +107,9 @@ namespace emmy
         {
           const double whole = grid.upper_corner()[d] - grid.lower_corner()[d];
           grids              = std::max(grids, box.side_length(d) / whole);
-          cells = std::max(cells, box.side_length(d) / grid.cell_size()[d]);
+          cells =
+            std::max(cells,
+                     box.side_length(d) / grid.size_at(grid.lower_corner())[d]);
         }
       if (grids > 10.)
         return "; it is " + brief(grids) +
