@@ -90,7 +90,7 @@ namespace
     write("warped.vtk",
           vtk("12 double\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1.2 0 1\n0.9 1 1\n"
               "0 1 1\n2 0 0\n2 1 0\n2 0 1\n2 1 1",
-              "2 18\n8 0 1 2 3 4 5 6 7\n8 1 8 9 2 5 10 11 6",
+              "2 18\n8 0 1 2 3 4 5 6 7\n8 2 9 11 6 1 8 10 5",
               "2\n12 12"));
     write("overlap.vtk",
           vtk(std::string("12 double\n") + (cube + 9) +
