@@ -209,6 +209,8 @@ namespace emmy
     if (std::regex_match(pattern, part, list))
       {
         const std::string from = part[2], to = part[3], separator = part[4];
+        if (from == "0" && to == "1")
+          return in_words(part[1]) + ", or nothing";
         return "a list of " +
                (from == to         ? from
                 : to != max_length ? from + " to " + to

@@ -163,7 +163,128 @@ namespace emmy
     return result;
   }
 
+  namespace
+  {
+    /** By how much flow may take back a stress that was rounded. */
+    constexpr double rounded = 1e-6;
+
+    /** Of a linear elastic law; zero stress: zero. */
+    template <int dim>
+    StressedState<dim>
+    state_after_flow(const Material<dim>       &material,
+                     const std::vector<double> &parameters,
+                     const GivenStress<dim>    &given)
+    {
+      Tensor<1, 3> target;
+      const auto   axes = spectral_decomposition<dim>(given.stress);
+      for (unsigned int i = 0; i < 3; ++i)
+        target[i] = axes.values[i];
+      Probe<dim>         probe(material, parameters, given.stress);
+      const Tensor<1, 3> guess = first_guess(material, target);
+      double             scale = 1.; // of moduli that vary
+      if (target.norm() > 0.)
+        {
+          constexpr double small = 1e-6;
+          probe.evaluate(small * guess, 0.);
+          scale = target.norm_square() * small /
+                  (probe.stress(0, Tensor<1, 3>()) * target);
+        }
+      // the stress that the law knows is J times this one
+      const double trace = scale * (guess[0] + guess[1] + guess[2]);
+      double       J     = given.volume_ratio > 0. ? given.volume_ratio : 1.;
+      for (unsigned int k = 0; k < most_iterations && given.volume_ratio == 0.;
+           ++k)
+        J = std::exp((given.is_kirchhoff ? 1. : J) * trace);
+      const double          factor = given.is_kirchhoff ? 1. : J;
+      std::array<double, 3> b_less_unit;
+      for (unsigned int i = 0; i < 3; ++i)
+        b_less_unit[i] = std::expm1(2. * factor * scale * guess[i]);
+      auto result         = strained_state(material,
+                                   parameters,
+                                   from_principal(probe.axes, b_less_unit),
+                                   given.history);
+      result.volume_ratio = J;
+      result.is_found &=
+        (result.kirchhoff_stress - factor * given.stress).norm() <=
+        rounded * factor * given.stress.norm();
+      return result;
+    }
+  } // namespace
+
+  template <int dim>
+  StressedState<dim>
+  strained_state(const Material<dim>       &material,
+                 const std::vector<double> &parameters,
+                 const MandelVector<dim>   &left_cauchy_green_less_unit,
+                 const std::vector<double> &history)
+  {
+    const auto batch    = std::make_unique<MaterialBatch<dim>>();
+    batch->n_points     = 1;
+    batch->with_tangent = false;
+    batch->left_cauchy_green_less_unit[0] = left_cauchy_green_less_unit;
+    batch->dissipation.fill(0.);
+    batch->hardening_energy.fill(0.);
+    for (const double value : parameters)
+      {
+        batch->parameters.emplace_back();
+        batch->parameters.back().fill(value);
+      }
+    for (const double value : history)
+      {
+        batch->history.emplace_back();
+        batch->history.back().fill(value);
+      }
+    material.evaluate(*batch);
+    StressedState<dim> result;
+    result.left_cauchy_green_less_unit = batch->left_cauchy_green_less_unit[0];
+    result.kirchhoff_stress            = batch->kirchhoff_stress[0];
+    result.stored_energy               = batch->stored_energy[0];
+    result.volume_ratio = std::sqrt(1. + mandel::determinant_less_one<dim>(
+                                           result.left_cauchy_green_less_unit));
+    for (const auto &value : batch->history)
+      result.history.push_back(value[0]);
+    if (!history.empty())
+      result.hardening_energy = batch->hardening_energy[0];
+    result.is_found =
+      (result.left_cauchy_green_less_unit - left_cauchy_green_less_unit)
+        .norm() <= rounded * left_cauchy_green_less_unit.norm();
+    return result;
+  }
+
+  template <int dim>
+  StressedState<dim>
+  stressed_state(const Material<dim>       &material,
+                 const std::vector<double> &parameters,
+                 const GivenStress<dim>    &given)
+  {
+    if (!given.history.empty())
+      return state_after_flow(material, parameters, given);
+    double             J = given.volume_ratio > 0. ? given.volume_ratio : 1.;
+    StressedState<dim> result;
+    for (unsigned int k = 0; k < most_iterations; ++k)
+      {
+        result =
+          stressed_state(material,
+                         parameters,
+                         MandelVector<dim>(given.stress /
+                                           (given.is_kirchhoff ? J : 1.)));
+        if (!given.is_kirchhoff || given.volume_ratio > 0. ||
+            std::abs(result.volume_ratio - J) <= tolerance)
+          return result;
+        J = result.volume_ratio;
+      }
+    return result;
+  }
+
 #define INSTANTIATE(dim)                                                       \
+  template StressedState<dim> stressed_state<dim>(const Material<dim> &,       \
+                                                  const std::vector<double> &, \
+                                                  const GivenStress<dim> &);   \
+  template StressedState<dim> strained_state<dim>(                             \
+    const Material<dim> &,                                                     \
+    const std::vector<double> &,                                               \
+    const MandelVector<dim> &,                                                 \
+    const std::vector<double> &);                                              \
   template StressedState<dim> stressed_state<dim>(const Material<dim> &,       \
                                                   const std::vector<double> &, \
                                                   const MandelVector<dim> &);

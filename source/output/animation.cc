@@ -31,9 +31,12 @@ namespace emmy
     }
   } // namespace
 
-  Animation::Animation(const unsigned int dim, const std::string &label)
+  Animation::Animation(const unsigned int dim,
+                       const std::string &label,
+                       Frames            &frames)
     : dim(dim)
     , label(label)
+    , frames(frames)
   {}
 
   template <int spacedim>
@@ -42,14 +45,14 @@ namespace emmy
                  const std::vector<dealii::Point<spacedim>> &positions,
                  const std::vector<double>                  &values)
   {
-    Frame frame{time, {}};
+    std::vector<float> numbers;
     for (std::size_t p = 0; p < positions.size(); ++p)
       {
         for (unsigned int d = 0; d < spacedim; ++d)
-          frame.numbers.push_back(positions[p][d]);
-        frame.numbers.push_back(values[p]);
+          numbers.push_back(positions[p][d]);
+        numbers.push_back(values[p]);
       }
-    frames.push_back(std::move(frame));
+    frames.emplace_back(time, std::move(numbers));
   }
 
   std::string
@@ -59,32 +62,31 @@ namespace emmy
     for (unsigned int c = 0; c <= dim; ++c)
       {
         std::vector<float> values;
-        for (const Frame &frame : frames)
-          for (std::size_t i = c; i < frame.numbers.size(); i += dim + 1)
-            values.push_back(frame.numbers[i]);
+        for (const auto &[time, numbers] : frames)
+          for (std::size_t i = c; i < numbers.size(); i += dim + 1)
+            values.push_back(numbers[i]);
         ranges.push_back(range(std::move(values), c < dim ? 0. : 0.01));
       }
     nlohmann::json result{{"dim", dim}, {"label", label}, {"ranges", ranges}};
     result["frames"] = nlohmann::json::array();
-    for (const Frame &frame : frames)
+    for (const auto &[time, numbers] : frames)
       {
         std::vector<unsigned char> bytes;
         std::vector<float>         values;
-        for (std::size_t i = 0; i < frame.numbers.size(); ++i)
+        for (std::size_t i = 0; i < numbers.size(); ++i)
           {
             const auto  &ends = ranges[i % (dim + 1)];
             const double size = ends[1] - ends[0],
-                         part =
-                           size > 0. ? (frame.numbers[i] - ends[0]) / size : 0.;
+                         part = size > 0. ? (numbers[i] - ends[0]) / size : 0.;
             const unsigned int code =
               std::lround(steps * std::min(1., std::max(0., part)));
             bytes.push_back(code % 256);
             bytes.push_back(code / 256);
             if (i % (dim + 1) == dim)
-              values.push_back(frame.numbers[i]);
+              values.push_back(numbers[i]);
           }
         result["frames"].push_back(
-          {{"time", frame.time},
+          {{"time", time},
            {"extremes", range(std::move(values), 0.)},
            {"data", dealii::Utilities::encode_base64(bytes)}});
       }

@@ -145,11 +145,13 @@ namespace emmy
                        unit;
       }
 
+      /** 1/2 ln b of a tensor that is carried as b - I. */
       MandelVector<dim>
-      logarithmic_strain(const Particle<dim> &particle) const
+      logarithmic_strain(const Particle<dim> &particle,
+                         const unsigned int   b_less_unit) const
       {
-        const auto            e = principal_strain(spectral_decomposition<dim>(
-          tensor(particle, left_cauchy_green_less_unit)));
+        const auto e = principal_strain(
+          spectral_decomposition<dim>(tensor(particle, b_less_unit)));
         std::array<double, 3> values;
         for (unsigned int i = 0; i < 3; ++i)
           values[i] = 0.5 * e.log_b[i];
@@ -168,7 +170,11 @@ namespace emmy
                                      ? std::optional<unsigned int>(
                                          layout["cell_mean_stress"])
                                      : std::nullopt};
-      const auto              scalar = [](const std::string &name,
+      const unsigned int      elastic =
+        layout.has("elastic_left_cauchy_green_less_unit")
+               ? layout["elastic_left_cauchy_green_less_unit"]
+               : read.left_cauchy_green_less_unit;
+      const auto scalar = [](const std::string &name,
                              const std::string &description,
                              const auto        &value) {
         return ParticleField<dim>{{name, 1, "Pa", description},
@@ -206,7 +212,20 @@ namespace emmy
           "1",
           "1/2 ln b, b = F F^T: elastic and plastic strain together"},
          [read](const Particle<dim> &particle, std::vector<double> &values) {
-           append_symmetric<dim>(read.logarithmic_strain(particle), values);
+           append_symmetric<dim>(read.logarithmic_strain(
+                                   particle, read.left_cauchy_green_less_unit),
+                                 values);
+         },
+         symmetric_components(dim)},
+        {{"elastic_strain",
+          9,
+          "1",
+          "1/2 ln b^e: the part of the logarithmic strain that the stress "
+          "belongs to"},
+         [read, elastic](const Particle<dim> &particle,
+                         std::vector<double> &values) {
+           append_symmetric<dim>(read.logarithmic_strain(particle, elastic),
+                                 values);
          },
          symmetric_components(dim)}};
     }

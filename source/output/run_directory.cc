@@ -73,7 +73,7 @@ namespace emmy
     {
       const std::string run_files =
         "(ledger\\.csv|parameters\\.prm|run\\.log|timing\\.json|report\\.html|fields\\.txt|"
-        "(particles|grid)(_[0-9]+(\\.[0-9]+)?\\.p?vtu|\\.pvd))(\\.new)?";
+        "(particles|grid)(_[0-9]+(\\.[0-9]+)?\\.(p?vtu|csv)|\\.pvd))(\\.new)?";
       std::string    kept     = remove_matching(folder, run_files);
       const fs::path pictures = folder / "pictures";
       if (kept.empty() && fs::is_directory(pictures))
@@ -212,7 +212,8 @@ namespace emmy
   RunDirectory::remove_frames_from(const unsigned int number) const
   {
     static const std::regex ours(
-      "(particles|grid|surfaces)_([0-9]{4,9})(\\.[0-9]+)?\\.p?vtu(\\.new)?");
+      "(particles|grid|surfaces)_([0-9]{4,9})(\\.[0-9]+)?\\.(p?vtu|csv)"
+      "(\\.new)?");
     std::error_code              error;
     fs::directory_iterator       entry(directory, error);
     const fs::directory_iterator end;

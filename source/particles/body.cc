@@ -94,6 +94,31 @@ namespace emmy
 
   namespace
   {
+    /** Of a body that is far from the size of the grid: a unit, perhaps. */
+    template <int dim>
+    std::string
+    size_hint(const Body<dim> &body, const BackgroundGrid<dim> &grid)
+    {
+      const auto box = body.shape->bounding_box();
+      if (!is_bounded(box))
+        return "";
+      double cells = 0., grids = 0.;
+      for (unsigned int d = 0; d < dim; ++d)
+        {
+          const double whole = grid.upper_corner()[d] - grid.lower_corner()[d];
+          grids              = std::max(grids, box.side_length(d) / whole);
+          cells =
+            std::max(cells,
+                     box.side_length(d) / grid.size_at(grid.lower_corner())[d]);
+        }
+      if (grids > 10.)
+        return "; it is " + brief(grids) +
+               " times as long as the grid: is it in millimetres?";
+      return cells < 0.1 ? "; it is " + brief(cells) +
+                             " of a cell long: is its scale right?"
+                         : "";
+    }
+
     /** What is wrong with the extent of a body, if anything. */
     template <int dim>
     std::string
@@ -118,7 +143,8 @@ namespace emmy
                    shortest(box.upper_bound(d)) +
                    " m, which is not inside the grid, " +
                    shortest(grid.lower_corner()[d]) + " ... " +
-                   shortest(grid.upper_corner()[d]) + " m";
+                   shortest(grid.upper_corner()[d]) + " m" +
+                   size_hint(body, grid);
         }
       return "";
     }
@@ -257,14 +283,15 @@ namespace emmy
           ? ""
           : "body <" + bodies[empty - n_points.begin()].name +
               "> holds no particle: no box centre of the cells' subdivision lies "
-              "in its shape",
+              "in its shape" +
+              size_hint(bodies[empty - n_points.begin()], grid),
         "raise its Points per direction, refine the grid, or check its shape.");
       return result;
     }
   } // namespace
 
   template <int dim>
-  void
+  FilledRows
   fill(const std::vector<Body<dim>>            &bodies,
        const BackgroundGrid<dim>               &grid,
        const FieldLayout                       &layout,
@@ -288,6 +315,8 @@ namespace emmy
       n_local += filling.points.size();
     dealii::types::particle_index id =
       sum_below_and_total(n_local, communicator).first;
+    FilledRows filled;
+    filled.first_id = id;
 
     const unsigned int velocity = layout["velocity"], mass = layout["mass"],
                        volume               = layout["reference_volume"],
@@ -316,11 +345,15 @@ namespace emmy
           {
             const Point<dim> &point = filling.points[i];
             auto              start = from.velocity_at(point);
+            filled.rows.push_back(0);
             if (table)
               {
-                const auto row = lattices[filling.body].rows_in(key)[i];
-                values[volume] = table->volumes[row];
-                values[mass]   = from.density * values[volume];
+                const auto row     = lattices[filling.body].rows_in(key)[i];
+                values[volume]     = table->volumes[row];
+                values[mass]       = table->masses.empty()
+                                       ? from.density * values[volume]
+                                       : table->masses[row];
+                filled.rows.back() = row;
                 if (!table->velocities.empty())
                   start += table->velocities[row];
               }
@@ -350,18 +383,19 @@ namespace emmy
                    "correct its Initial velocity, which must be finite at "
                    "every particle.");
     particles.update_cached_numbers();
+    return filled;
   }
 
-#define INSTANTIATE(dim)                                       \
-  template std::vector<typename BackgroundGrid<dim>::Occupied> \
-  occupied_cells<dim>(const std::vector<Body<dim>> &,          \
-                      const BackgroundGrid<dim> &);            \
-  template dealii::Tensor<1, dim> initial_half_length<dim>(    \
-    const Body<dim> &, const BackgroundGrid<dim> &);           \
-  template void fill<dim>(const std::vector<Body<dim>> &,      \
-                          const BackgroundGrid<dim> &,         \
-                          const FieldLayout &,                 \
-                          dealii::Particles::ParticleHandler<dim> &);
+#define INSTANTIATE(dim)                                        \
+  template std::vector<typename BackgroundGrid<dim>::Occupied>  \
+  occupied_cells<dim>(const std::vector<Body<dim>> &,           \
+                      const BackgroundGrid<dim> &);             \
+  template dealii::Tensor<1, dim> initial_half_length<dim>(     \
+    const Body<dim> &, const BackgroundGrid<dim> &);            \
+  template FilledRows fill<dim>(const std::vector<Body<dim>> &, \
+                                const BackgroundGrid<dim> &,    \
+                                const FieldLayout &,            \
+                                dealii::Particles::ParticleHandler<dim> &);
   INSTANTIATE(2)
   INSTANTIATE(3)
 #undef INSTANTIATE

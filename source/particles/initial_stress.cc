@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 
 namespace emmy
 {
@@ -16,6 +17,13 @@ namespace emmy
     number_of(const std::string &text)
     {
       return dealii::Utilities::string_to_double(text);
+    }
+
+    /** Whether an entry that may be empty is one number otherwise. */
+    bool
+    is_number_or_empty(const std::string &text)
+    {
+      return text.find_first_of(",;") == std::string::npos;
     }
   } // namespace
 
@@ -145,6 +153,14 @@ namespace emmy
                                     const std::string &advice) {
       AssertThrow(condition, ExcParameter(section, name, value, advice));
     };
+    for (const auto &[name, value] :
+         std::map<std::string, std::string>{{"Ground level", surface_level},
+                                            {"Water level", water_level},
+                                            {"K0", lateral_ratio}})
+      require(is_number_or_empty(value),
+              name,
+              value,
+              "it must be one number, without commas, or nothing.");
     if (kind == "none")
       return nullptr;
     if (kind == "formulas")

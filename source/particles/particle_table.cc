@@ -1,12 +1,11 @@
-#include <deal.II/base/patterns.h>
-
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
 #include <emmy/particles/particle_table.h>
 
+#include <boost/algorithm/string/predicate.hpp>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <limits>
 #include <numeric>
@@ -88,154 +87,194 @@ namespace emmy
       std::vector<Point<dim>>  order; ///< by x
     };
 
-    /** The words of a line, whatever separates them. */
-    std::vector<std::string>
-    words_of(std::string line)
+    /** Keep the rows of one body, if the file has several. */
+    template <class Require>
+    void
+    choose_rows(const TableFile &from,
+                ParticleColumns &all,
+                const Require   &require)
     {
-      std::replace_if(
-        line.begin(),
-        line.end(),
-        [](const char letter) {
-          return letter == ',' || letter == ';' || letter == '\t' ||
-                 letter == '\r';
-        },
-        ' ');
-      std::istringstream       stream(line);
-      std::vector<std::string> words;
-      for (std::string word; stream >> word;)
-        words.push_back(word);
-      return words;
+      const int column = all.find("body");
+      require(from.body < 0 || column >= 0,
+              "it has no column <body> by which <Rows of body> could choose");
+      if (column < 0)
+        return;
+      auto &rows = all.rows;
+      if (from.body >= 0)
+        rows.erase(std::remove_if(rows.begin(),
+                                  rows.end(),
+                                  [&](const auto &row) {
+                                    return row[column] != from.body;
+                                  }),
+                   rows.end());
+      for (const auto &row : rows)
+        require(row[column] == rows[0][column],
+                "it has particles of several bodies, by its column <body>. Set "
+                "<Rows of body> to the number of one of them, from 0");
     }
 
-    /** Columns of a file, by their names. */
-    class Columns
+    /** By how much its motion has changed the volume of a row; 1: unknown. */
+    template <int dim>
+    double
+    volume_ratio(const ParticleColumns &all, const std::vector<double> &row)
     {
-    public:
-      Columns(const std::vector<std::string> &names,
-              const std::vector<std::string> &known)
-        : names(names)
+      const auto at = [&](const std::string &name) {
+        const int column = all.find(name);
+        return column < 0 ? 0. : row[column];
+      };
+      if (all.find("logarithmic_strain_xx") >= 0)
+        return std::exp(at("logarithmic_strain_xx") +
+                        at("logarithmic_strain_yy") +
+                        at("logarithmic_strain_zz"));
+      if (all.find("left_cauchy_green_xx") < 0)
+        return 1.;
+      const auto b = [&](const char *ij) {
+        return at(std::string("left_cauchy_green_") + ij);
+      };
+      const double zz = all.find("left_cauchy_green_zz") < 0 ? 1. : b("zz");
+      return std::sqrt(zz * (b("xx") * b("yy") - b("xy") * b("xy")) +
+                       2. * b("xy") * b("xz") * b("yz") -
+                       b("xx") * b("yz") * b("yz") -
+                       b("yy") * b("xz") * b("xz"));
+    }
+
+    /** Columns that every body has, by all names under which they come. */
+    template <int dim>
+    struct BasicColumns
+    {
+      std::vector<int> position, velocity;
+      int              volume, reference_volume, mass, density;
+
+      explicit BasicColumns(const ParticleColumns &all)
+        : volume(all.find("volume"))
+        , reference_volume(all.find("reference_volume"))
+        , mass(all.find("mass"))
+        , density(all.find("density"))
       {
-        for (const std::string &name : known)
+        for (unsigned int d = 0; d < dim; ++d)
           {
-            const auto found = std::find(names.begin(), names.end(), name);
-            places.push_back(found == names.end() ? -1 : found - names.begin());
+            const std::string axis(1, "xyz"[d]);
+            position.push_back(all.find(axis));
+            velocity.push_back(all.find("v" + axis) >= 0
+                                 ? all.find("v" + axis)
+                                 : all.find("velocity_" + axis));
           }
-        for (const std::string &name : names)
-          if (problem.empty())
-            {
-              if (std::count(known.begin(), known.end(), name) == 0)
-                problem = "unknown column <" + name + ">";
-              else if (std::count(names.begin(), names.end(), name) > 1)
-                problem = "two columns <" + name + ">";
-            }
       }
 
+      /** @return what is wrong; empty: nothing */
+      std::string
+      problem() const
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+          {
+            if (position[d] < 0)
+              return std::string("no column <") + "xyz"[d] + ">";
+            if ((velocity[d] < 0) != (velocity[0] < 0))
+              return "give all components of the velocity, or none";
+          }
+        if (volume < 0 && reference_volume < 0)
+          return "no column <volume>";
+        if (mass >= 0 && density >= 0)
+          return "both <mass> and <density>; leave one of them out";
+        return "";
+      }
+
+      /** Whether a column is one of these. */
       bool
-      has(const unsigned int column) const
+      has(const int column) const
       {
-        return places[column] >= 0;
+        const std::vector<int> others{volume, reference_volume, mass, density};
+        for (const auto &list : {position, velocity, others})
+          if (std::count(list.begin(), list.end(), column) > 0)
+            return true;
+        return false;
       }
-
-      double
-      operator()(const std::vector<double> &line,
-                 const unsigned int         column) const
-      {
-        return line[places[column]];
-      }
-
-      const std::vector<std::string> names;
-      std::string                    problem;
-
-    private:
-      std::vector<int> places;
     };
 
-    /** Of a line; empty where a word is no finite number. */
-    std::vector<double>
-    numbers_in(const std::vector<std::string> &words)
+    /** Sort the columns of the rows. Throws by @p require. */
+    template <int dim, class Require>
+    ParticleTable<dim>
+    table_of(const TableFile       &from,
+             const ParticleColumns &all,
+             const Require         &require)
     {
-      std::vector<double> numbers;
-      for (const std::string &word : words)
+      const BasicColumns<dim> basic(all);
+      const std::string       usage =
+        ". Its columns are named in its first line: x, y" +
+        std::string(dim == 2 ? "" : ", z") +
+        ", volume and, if wanted, velocity, mass or density, and state";
+      require(basic.problem().empty(), basic.problem() + usage);
+      require(!all.rows.empty(), "it lists no particle" + usage);
+      ParticleTable<dim> table;
+      table.from = from;
+      std::vector<unsigned int> others;
+      for (unsigned int c = 0; c < all.names.size(); ++c)
+        if (const std::string &name = all.names[c];
+            !basic.has(c) && name != "body" && !(dim == 2 && name == "z") &&
+            std::count(from.left_out.begin(), from.left_out.end(), name) == 0)
+          {
+            others.push_back(c);
+            table.state.names.push_back(name);
+          }
+      for (const auto &row : all.rows)
         {
-          char *end = nullptr;
-          numbers.push_back(std::strtod(word.c_str(), &end));
-          if (*end != '\0' || !std::isfinite(numbers.back()))
-            return {};
+          Point<dim>             position;
+          dealii::Tensor<1, dim> velocity;
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              position[d] = row[basic.position[d]];
+              velocity[d] = basic.velocity[d] < 0 ? 0. : row[basic.velocity[d]];
+            }
+          const double volume =
+            basic.volume >= 0
+              ? row[basic.volume]
+              : row[basic.reference_volume] * volume_ratio<dim>(all, row);
+          const std::string where =
+            "particle at (" + dealii::Patterns::Tools::to_string(position) +
+            "): ";
+          require(volume > 0., where + "the volume must be positive");
+          table.positions.push_back(position);
+          table.volumes.push_back(volume);
+          if (basic.velocity[0] >= 0)
+            table.velocities.push_back(velocity);
+          if (basic.mass >= 0 || basic.density >= 0)
+            {
+              table.masses.push_back(basic.mass >= 0
+                                       ? row[basic.mass]
+                                       : row[basic.density] * volume);
+              require(table.masses.back() > 0.,
+                      where + "the mass must be positive");
+            }
+          auto &state = table.state.rows.emplace_back();
+          for (const unsigned int c : others)
+            state.push_back(row[c]);
         }
-      return numbers;
+      return table;
     }
   } // namespace
 
   template <int dim>
   std::unique_ptr<Shape<dim>>
-  read_particle_table(const std::string &file, const std::string &section)
+  read_particle_table(const TableFile &from)
   {
     const auto require = [&](const bool condition, const std::string &what) {
-      AssertThrow(condition, ExcParameter(section, "File", file, what));
+      AssertThrow(condition,
+                  ExcParameter(from.section, "File", from.file, what + "."));
     };
-    std::ifstream in(file);
-    require(in.good(),
+    require(std::ifstream(from.file).good(),
             "there is no such file to read; a name without / in front counts "
-            "from the folder in which emmy is started.");
-    std::vector<std::string> known{"x", "y", "z"};
-    known.resize(dim);
-    known.push_back("volume");
-    for (unsigned int d = 0; d < dim; ++d)
-      known.push_back(std::string("v") + "xyz"[d]);
-    const std::string usage =
-      " Its first line names its columns: " + join(known) +
-      "; velocities are optional.";
-
-    std::unique_ptr<Columns> columns;
-    ParticleTable<dim>       table;
-    unsigned int             n_lines = 0;
-    for (std::string line; std::getline(in, line);)
-      {
-        ++n_lines;
-        const auto words = words_of(line);
-        if (words.empty() || words[0][0] == '#')
-          continue;
-        const std::string where = "line " + std::to_string(n_lines) + ": ";
-        if (!columns)
-          {
-            columns = std::make_unique<Columns>(words, known);
-            require(columns->problem.empty(),
-                    where + columns->problem + "." + usage);
-            for (unsigned int c = 0; c <= dim; ++c)
-              require(columns->has(c),
-                      where + "no column <" + known[c] + ">." + usage);
-            for (unsigned int d = 1; d < dim; ++d)
-              require(columns->has(dim + 1) == columns->has(dim + 1 + d),
-                      where + "give all components of the velocity, or none." +
-                        usage);
-            continue;
-          }
-        const auto numbers = numbers_in(words);
-        require(numbers.size() == columns->names.size(),
-                where + "it should hold " +
-                  std::to_string(columns->names.size()) +
-                  " finite numbers, one a column.");
-        Point<dim>             position;
-        dealii::Tensor<1, dim> velocity;
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            position[d] = (*columns)(numbers, d);
-            if (columns->has(dim + 1))
-              velocity[d] = (*columns)(numbers, dim + 1 + d);
-          }
-        const double volume = (*columns)(numbers, dim);
-        require(volume > 0., where + "the volume must be positive.");
-        table.positions.push_back(position);
-        table.volumes.push_back(volume);
-        if (columns->has(dim + 1))
-          table.velocities.push_back(velocity);
-      }
-    require(!table.positions.empty(), "it lists no particle." + usage);
-    return std::make_unique<ListedParticles<dim>>(std::move(table));
+            "from the folder in which emmy is started");
+    ParticleColumns all = boost::iends_with(from.file, "vtu")
+                            ? read_vtu_columns(from.file)
+                            : read_text_columns(from.file);
+    require(all.problem.empty(), all.problem);
+    choose_rows(from, all, require);
+    return std::make_unique<ListedParticles<dim>>(
+      table_of<dim>(from, all, require));
   }
 
   template std::unique_ptr<Shape<2>>
-  read_particle_table<2>(const std::string &, const std::string &);
+  read_particle_table<2>(const TableFile &);
   template std::unique_ptr<Shape<3>>
-  read_particle_table<3>(const std::string &, const std::string &);
+  read_particle_table<3>(const TableFile &);
 } // namespace emmy

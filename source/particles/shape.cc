@@ -1,7 +1,7 @@
 #include <emmy/particles/basic_shapes.h>
 #include <emmy/particles/particle_table.h>
 #include <emmy/particles/shape.h>
-#include <emmy/particles/surface_mesh.h>
+#include <emmy/particles/volume_mesh.h>
 
 #include <limits>
 
@@ -213,31 +213,40 @@ namespace emmy
       Coordinates<dim> lower, upper;
     };
 
-    class MeshParameters : public ShapeParameters<3>
+    template <int dim>
+    class MeshParameters : public ShapeParameters<dim>
     {
     public:
       explicit MeshParameters(const std::string &section)
-        : ShapeParameters<3>(section)
+        : ShapeParameters<dim>(section)
       {
-        add_parameter("File",
-                      file,
-                      "A closed surface: STL, OBJ, PLY or OFF, by the ending "
-                      "of its name. Required.");
-        add_parameter("Scale",
-                      scale,
-                      "Length of the file's unit, e.g. 1e-3 for millimetres. "
-                      "Unit: m. Positive.");
+        mesh.section = this->path();
+        mesh.entry   = "File";
+        this->add_parameter(
+          "File",
+          mesh.file,
+          "A mesh of cells, which may be triangles or quadrilaterals in the "
+          "plane, tetrahedra or hexahedra in space: Gmsh (.msh) or legacy VTK "
+          "(.vtk), as text. In space also a closed surface: STL, OBJ, PLY or "
+          "OFF. The ending of its name says which. Required.");
+        this->add_parameter("Scale",
+                            mesh.scale,
+                            "Length of the file's unit, e.g. 1e-3 for "
+                            "millimetres. Unit: m. Positive.");
+        this->add_parameter("Region",
+                            mesh.region,
+                            "The cells of this physical group of Gmsh, by its "
+                            "name or number. Empty: all cells.");
       }
 
-      std::unique_ptr<Shape<3>>
+      std::unique_ptr<Shape<dim>>
       make() const override
       {
-        return read_surface_mesh(file, scale, path(), "File");
+        return read_mesh<dim>(mesh);
       }
 
     private:
-      std::string file;
-      double      scale = 1.;
+      MeshFile mesh;
     };
 
     template <int dim>
@@ -247,23 +256,37 @@ namespace emmy
       explicit TableParameters(const std::string &section)
         : ShapeParameters<dim>(section)
       {
-        this->add_parameter("File",
-                            file,
-                            "A table with the columns x, y (and z) in m, "
-                            "volume in m^3 (in plane strain m^2) and, if "
-                            "wanted, vx, vy (and vz) in m/s, which add to the "
-                            "body's. Its first line names them. <Points per "
-                            "direction> is not used. Required.");
+        this->add_parameter(
+          "File",
+          table.file,
+          "A table (CSV, or points of a .vtu) with the "
+          "columns x, y (and z) in m, volume in m^3 (in plane "
+          "strain m^2) and, if wanted, vx, vy (and vz) in "
+          "m/s, which add to the body's; mass or density; and "
+          "what particles have suffered, as cauchy_stress_xx, "
+          "... <Points per direction> is not used. Required.");
+        this->add_parameter("Rows of body",
+                            table.body,
+                            "Of a file with a column <body>: the number of the "
+                            "body whose rows count, from 0. -1: all do.",
+                            this->prm,
+                            dealii::Patterns::Integer(-1));
+        this->add_parameter("Leave out",
+                            table.left_out,
+                            "Columns of the file that do not count. Those that "
+                            "a body has no use for are refused.");
       }
 
       std::unique_ptr<Shape<dim>>
       make() const override
       {
-        return read_particle_table<dim>(file, this->path());
+        TableFile from = table;
+        from.section   = this->path();
+        return read_particle_table<dim>(from);
       }
 
     private:
-      std::string file;
+      TableFile table;
     };
 
     template <int dim>
@@ -286,12 +309,14 @@ namespace emmy
                       [](const std::string &section) {
                         return std::make_unique<CylinderParameters>(section);
                       }});
-          shapes.add({"mesh",
-                      "inside of a closed surface of triangles in a file",
-                      [](const std::string &section) {
-                        return std::make_unique<MeshParameters>(section);
-                      }});
         }
+      shapes.add({"mesh",
+                  dim == 2 ? "the cells of a mesh in a file"
+                           : "the cells of a mesh, or the inside of a closed "
+                             "surface of triangles, in a file",
+                  [](const std::string &section) {
+                    return std::make_unique<MeshParameters<dim>>(section);
+                  }});
       shapes.add({"expression",
                   "where a formula is positive",
                   [](const std::string &section) {

@@ -8,7 +8,7 @@
 #include <emmy/particles/basic_shapes.h>
 #include <emmy/particles/shape_algebra.h>
 #include <emmy/particles/shape_formula.h>
-#include <emmy/particles/surface_mesh.h>
+#include <emmy/particles/volume_mesh.h>
 
 #include <cmath>
 #include <functional>
@@ -76,8 +76,8 @@ namespace emmy
                 "cone(base (x, y, z); top (x, y, z); radius of the base; "
                 "radius of the top, or none)",
                 &Reader::cone);
-            add("mesh", "mesh(file; scale, or none)", &Reader::mesh);
           }
+        add("mesh", "mesh(file; scale, or none)", &Reader::mesh);
         add("union", "union(shape; shape; ...)", &Reader::unite);
         add("intersection",
             "intersection(shape; shape; ...)",
@@ -337,13 +337,8 @@ namespace emmy
                 written(call),
                 "it should be " + call.usage);
         const auto n = numbers(call, 1, {0, 1});
-        if constexpr (dim == 3)
-          return read_surface_mesh(call.items[0],
-                                   n.empty() ? 1. : n[0],
-                                   section,
-                                   "Shape");
-        else
-          return nullptr;
+        return read_mesh<dim>(
+          {call.items[0], n.empty() ? 1. : n[0], "", section, "Shape"});
       }
 
       std::unique_ptr<Shape<dim>>

@@ -1,7 +1,9 @@
 #include <emmy/output/data_file.h>
+#include <emmy/output/particle_csv.h>
 #include <emmy/run/frames.h>
 
 #include <algorithm>
+#include <cstdio>
 
 namespace emmy
 {
@@ -40,7 +42,9 @@ namespace emmy
                                                 : parameters.general.title)
                  : nullptr)
     , animation(wanted.report
-                  ? std::make_unique<Animation>(dim, scene.drawn_number.label)
+                  ? std::make_unique<Animation>(dim,
+                                                scene.drawn_number.label,
+                                                state.film)
                   : nullptr)
     , particle_series(directory.path(),
                       "particles",
@@ -62,6 +66,7 @@ namespace emmy
   void
   Frames<dim>::initial()
   {
+    state.film_label = scene.drawn_number.label;
     // the grid has no motion yet, so there is no grid file
     if (wanted.frames > 0)
       write_files(0., /*with_grid=*/false);
@@ -98,6 +103,9 @@ namespace emmy
                        picture_times.begin();
     if (pictures && !state.pictures.empty())
       pictures->recall(state.pictures);
+    if (state.film_label != scene.drawn_number.label) // another field is drawn
+      state.film.clear();
+    state.film_label = scene.drawn_number.label;
     if (is_first)
       directory.remove_frames_from(state.n_frames);
     particle_series.write();
@@ -163,6 +171,16 @@ namespace emmy
   {
     if (wanted.particle_files)
       write_particles(time);
+    if (wanted.particle_tables)
+      {
+        char number[16];
+        std::snprintf(number, sizeof number, "%04u", state.n_frames);
+        write_particle_csv<dim>(directory.file(std::string("particles_") +
+                                               number + ".csv"),
+                                scene.layout,
+                                scene.particles,
+                                communicator);
+      }
     if (wanted.grid_files && with_grid)
       write_grid(time);
     if (wanted.particle_files)

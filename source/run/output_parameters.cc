@@ -28,6 +28,11 @@ namespace emmy
     add_parameter("Particle files",
                   particle_files,
                   "Whether frames have particle files (VTU).");
+    add_parameter("Particle tables",
+                  particle_tables,
+                  "Whether frames have tables of the particles (CSV), with all "
+                  "digits and all that another scene needs to begin with them: "
+                  "Shape = particles.");
     add_parameter("Grid files",
                   grid_files,
                   "Whether frames have files of the active grid (VTU).");

@@ -97,6 +97,9 @@ namespace emmy
         return entry.find("elocity") != std::string::npos;
       const std::vector<std::string> loads{
         "Acceleration", "Force", "Amplitude", "Amplitude table", "Sampling"};
+      if (starts_with(path, "Effects/Surface loads/"))
+        return entry == "Traction" || entry == "Pressure" ||
+               std::count(loads.begin(), loads.end(), entry) > 0;
       // what stands deeper is of a part of an effect, as of an exact motion
       return starts_with(path, "Effects/") &&
              std::count(path.begin(), path.end(), '/') == 2 &&
@@ -141,7 +144,6 @@ namespace emmy
     std::map<std::string, std::string> both = then;
     both.insert(now.begin(), now.end());
     std::vector<std::string> changes, refused;
-    bool                     has_loads = false;
     for (const auto &[path, ignored] : both)
       {
         (void)ignored;
@@ -160,7 +162,6 @@ namespace emmy
           changes.push_back(line);
         else
           refused.push_back(line);
-        has_loads = has_loads || is_of_loads;
       }
     AssertThrow(refused.empty(),
                 ExcRun("Restart",
@@ -168,9 +169,10 @@ namespace emmy
                          ">:\n    " + join(refused, "\n    "),
                        std::string("leave these as they were. Time, Output, "
                                    "Solver and Checkpoint may be others") +
-                         (has_loads && !new_loads
-                            ? "; loads too, with --new-loads"
-                            : "") +
+                         (new_loads ? ""
+                                    : "; with --new-loads also forces, "
+                                      "accelerations, amplitudes and the "
+                                      "velocities of walls") +
                          ". Another scene can start from the state of this "
                          "run: section Start."));
     return changes;
@@ -189,6 +191,8 @@ namespace emmy
                           &scene.state.frames.grid_files,
                           &scene.state.frames.surface_files})
         files->clear();
+    if (saved.is_failure)
+      scene.state.frames.film.clear();
     const MPI_Comm communicator = scene.grid.communicator();
     const bool     is_first =
       dealii::Utilities::MPI::this_mpi_process(communicator) == 0;

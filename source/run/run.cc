@@ -68,6 +68,21 @@ namespace emmy
              (limits.maximum_steps > 0 && last.step >= limits.maximum_steps);
     }
 
+    /** What a run that is at its end needs to go on. */
+    std::string
+    way_to_go_on(const TimeParameters &limits, const StepReport &last)
+    {
+      const bool is_by_time = last.time >= limits.end_time * (1. - 1e-12);
+      return is_by_time ? "t = " + brief(last.time) +
+                            " s is its end; to go on raise it: "
+                            "--set \"Time/End time=" +
+                            brief(2. * limits.end_time) + "\""
+                        : "step " + std::to_string(last.step) +
+                            " is its last; to go on "
+                            "raise it: --set \"Time/Maximum steps=" +
+                            std::to_string(2 * limits.maximum_steps) + "\"";
+    }
+
     /**
      * Does the parts of a run one after the other. What goes wrong on the way
      * is reported after the results so far: all ranks throw it together; any
@@ -369,6 +384,8 @@ namespace emmy
       {
         describe(screen);
         advise(scene, parameters, initial, screen);
+        if (options.with_step)
+          calibrate(scene, parameters, screen);
         return RunEnd::complete;
       }
 
@@ -411,6 +428,10 @@ namespace emmy
                    file_remedy);
     course.report.step = scene.state.step;
     course.report.time = scene.state.time;
+    if (saved && is_at_end(course.report, parameters.time))
+      screen << "  the run is finished: "
+             << way_to_go_on(parameters.time, course.report) << '\n'
+             << std::flush;
     Frames<dim> frames(scene, parameters, directory);
     if (saved)
       frames.go_on(is_at_end(course.report, parameters.time));

@@ -60,9 +60,11 @@ namespace boost
              files,
              grids,
              surfaces,
-             pictures] = state;
+             pictures,
+             film_label,
+             film] = state;
       archive &intervals &frames &n_pictures &frame &picture &reached;
-      archive &files &grids &surfaces                        &pictures;
+      archive &files &grids &surfaces &pictures &film_label  &film;
     }
 
     template <class Archive>

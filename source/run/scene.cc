@@ -4,6 +4,7 @@
 #include <emmy/effects/mean_dilatation.h>
 #include <emmy/effects/scaled_boxes.h>
 #include <emmy/effects/starved_nodes.h>
+#include <emmy/effects/table_states.h>
 #include <emmy/particles/body_measures.h>
 #include <emmy/particles/particle_count.h>
 #include <emmy/run/scene.h>
@@ -144,22 +145,6 @@ namespace emmy
       return layout;
     }
 
-    /** The elastic energy that particles have stored, J. Collective. */
-    template <int dim>
-    double
-    strain_energy(const FieldLayout                             &layout,
-                  const BackgroundGrid<dim>                     &grid,
-                  const dealii::Particles::ParticleHandler<dim> &particles)
-    {
-      const unsigned int volume = layout["reference_volume"],
-                         energy = layout["strain_energy_density"];
-      double sum                = 0.;
-      for (const auto &particle : particles)
-        sum +=
-          particle.get_properties()[volume] * particle.get_properties()[energy];
-      return dealii::Utilities::MPI::sum(sum, grid.communicator());
-    }
-
     /** Null where the grid is undeformed at the start of a step. */
     template <int dim>
     std::unique_ptr<MiddlePlaces<dim>>
@@ -253,9 +238,11 @@ namespace emmy
     particles.initialize(grid.triangulation(),
                          grid.mapping(),
                          layout.n_components());
-    fill(bodies, grid, layout, particles);
+    const FilledRows filled = fill(bodies, grid, layout, particles);
     set_initial_states(
       bodies, material_of_body, layout, grid.communicator(), particles);
+    notes = set_table_states(
+      bodies, material_of_body, layout, filled, grid.communicator(), particles);
   }
 
   template <int dim>
@@ -284,7 +271,7 @@ namespace emmy
     // a run that starts from another one has that run's stress
     return parameters.start.from.empty() &&
            std::any_of(bodies.begin(), bodies.end(), [](const auto &body) {
-             return body.initial_stress != nullptr;
+             return body.initial_stress != nullptr || has_table_state(body);
            });
   }
 
@@ -302,14 +289,18 @@ namespace emmy
         "or none");
     if (!has_initial_stress())
       return;
-    const double stored    = strain_energy<dim>(layout, grid, particles);
     const double imbalance = stepper->imbalance();
+    double       stored    = 0.;
     for (EnergyEntry &entry : report.energies)
-      if (entry.name == "strain_energy")
+      if (entry.name == "strain_energy" || entry.name == "hardening_energy")
         {
-          entry.change = stored;
-          state.detector.stored_energy += stored;
-          state.detector.largest_stored += stored;
+          entry.change = total_energy(entry.name + "_density",
+                                      layout,
+                                      grid.communicator(),
+                                      particles);
+          stored += entry.change;
+          state.detector.stored_energy += entry.change;
+          state.detector.largest_stored += entry.change;
         }
     report.measures.push_back({initial_imbalance, imbalance});
     notes.push_back("initial stress: " + brief(stored) +

@@ -1,3 +1,6 @@
+#include <deal.II/base/timer.h>
+#include <deal.II/base/utilities.h>
+
 #include <emmy/base/text.h>
 #include <emmy/effects/starved_nodes.h>
 #include <emmy/run/scene_advice.h>
@@ -285,6 +288,37 @@ namespace emmy
     tell_cheaper(parameters, counts, initial, out);
   }
 
+  template <int dim>
+  void
+  calibrate(Scene<dim>                 &scene,
+            const SceneParameters<dim> &parameters,
+            std::ostream               &out)
+  {
+    const MPI_Comm      communicator = scene.grid.communicator();
+    const dealii::Timer timer;
+    const StepReport    report = scene.advance();
+    const double        seconds =
+      dealii::Utilities::MPI::max(timer.wall_time(), communicator);
+    dealii::Utilities::System::MemoryStats memory; // in kB
+    dealii::Utilities::System::get_memory_stats(memory);
+    const double megabytes =
+      dealii::Utilities::MPI::sum(1.024e-3 * memory.VmHWM, communicator);
+    double n_steps = std::ceil(parameters.time.end_time / report.time_step);
+    if (parameters.time.maximum_steps > 0)
+      n_steps = std::min<double>(n_steps, parameters.time.maximum_steps);
+    line(out, "first step made")
+      << brief(seconds) << " s, " << report.newton_iterations
+      << " Newton iterations; " << n_steps << " such steps take "
+      << brief(n_steps * seconds) << " s\n";
+    line(out, "") << "steps get shorter and need more iterations where bodies "
+                     "meet or fold; files and pictures come on top\n";
+    line(out, "memory") << brief(megabytes) << " MB by then, on all ranks\n";
+  }
+
+  template void
+  calibrate<2>(Scene<2> &, const SceneParameters<2> &, std::ostream &);
+  template void
+  calibrate<3>(Scene<3> &, const SceneParameters<3> &, std::ostream &);
   template void
   advise<2>(const Scene<2> &,
             const SceneParameters<2> &,

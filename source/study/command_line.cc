@@ -54,6 +54,9 @@ namespace emmy
           "of at most this; run nothing")(
           "all",
           "of a run or --check: say what each absent effect would cost too")(
+          "step",
+          "of --check: make the first step, and say how long the run will take "
+          "and what memory it needs")(
           "overwrite",
           "replace the results of an earlier run; run all members of a study "
           "again")("restart",
@@ -150,6 +153,8 @@ namespace emmy
         line.overwrite = true;
       else if (name == "all")
         line.all = true;
+      else if (name == "step")
+        line.step = true;
       else if (name == "restart")
         line.restart = value;
       else if (name == "new-loads")
@@ -171,6 +176,10 @@ namespace emmy
         refuse("--all without a scene to check or run",
                "write emmy --check --all FILE.prm to see what the effects "
                "would cost that the scene does not have.");
+      if (line.step && (line.is_study || line.task != Task::check))
+        refuse("--step without a scene to check",
+               "write emmy --check --step FILE.prm to see how long a run will "
+               "take.");
       if (line.task == Task::list &&
           !(line.file.empty() && line.assignments.empty()))
         refuse("--list with <" + (line.file.empty() ? "--set" : line.file) +

@@ -6,6 +6,7 @@
 #include <emmy/base/text.h>
 #include <emmy/study/command_line.h>
 
+#include <set>
 #include <sstream>
 
 namespace emmy
@@ -84,6 +85,43 @@ namespace emmy
       std::size_t shown = 0; ///< depth of what is shown; 0: nothing
       std::string comment;   ///< above the line
     };
+    /** Entries whose name or text has the word; empty: none. */
+    std::string
+    entries_about(const std::string &word, const std::string &listing)
+    {
+      std::vector<std::string> path;
+      std::string              comment, result;
+      std::set<std::string>    told;
+      std::istringstream       lines(listing);
+      for (std::string line; std::getline(lines, line);)
+        {
+          const std::string text     = dealii::Utilities::trim(line);
+          const bool        is_entry = starts_with(text, "set ");
+          if (starts_with(text, "subsection "))
+            path.push_back(text.substr(11));
+          else if (text == "end")
+            path.pop_back();
+          else if (is_entry)
+            path.push_back(
+              dealii::Utilities::trim(text.substr(4, text.find('=') - 4)));
+          if (is_entry)
+            {
+              const std::string whole = join(path, "/");
+              // models and bodies share entries
+              if (boost::algorithm::icontains(whole + comment, word) &&
+                  told.insert(path.back() + comment).second)
+                result += "\n" + whole + "\n" + comment;
+              path.pop_back();
+            }
+          if (starts_with(text, "#"))
+            comment += "  " + text + "\n";
+          else
+            comment.clear();
+        }
+      return result.empty() ? result
+                            : "No section or entry is named <" + word +
+                                ">; these speak of it:\n" + result;
+    }
   } // namespace
 
   std::string
@@ -93,6 +131,8 @@ namespace emmy
     std::istringstream lines(listing);
     for (std::string line; std::getline(lines, line);)
       parts.read(line);
+    if (parts.result.empty())
+      parts.result = entries_about(topic, listing);
     const std::string nearest = nearest_name(topic, parts.known);
     AssertThrow(!parts.result.empty(),
                 ExcRun("Command line",

@@ -47,6 +47,7 @@ namespace emmy
       RunOptions options;
       options.only_check  = line.task == CommandLine::Task::check;
       options.with_absent = line.all;
+      options.with_step   = line.step;
       options.overwrite   = line.overwrite;
       options.signals     = signals;
       options.restart     = saved;

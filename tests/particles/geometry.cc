@@ -298,7 +298,7 @@ namespace
           << "# a comment\nvolume, x, y, vx, vy\n0.25,1.1,1.2,3,4\n"
              "0.75;3.3;0.4;5;6\n";
         std::ofstream("wrong.csv") << "x y volume\n1 1 0.5\n1 b 0.5\n";
-        std::ofstream("column.csv") << "x y volume T\n1 1 0.5 3\n";
+        std::ofstream("column.csv") << "x volume\n1 0.5\n";
       }
     MPI_Barrier(MPI_COMM_WORLD);
     const Filled<2> filled("particles",
@@ -325,11 +325,11 @@ namespace
       }
     const auto refuses = [](const std::string              &file,
                             const std::vector<std::string> &words) {
-      check_throws_with([&] { read_particle_table<2>(file, "Bodies/b"); },
+      check_throws_with([&] { read_particle_table<2>({file, -1, {}, "Bodies/b"}); },
                         words);
     };
     refuses("wrong.csv", {"line 3", "3 finite numbers"});
-    refuses("column.csv", {"line 1: unknown column <T>"});
+    refuses("column.csv", {"no column <y>"});
     refuses("none.csv", {"no such file"});
   }
 } // namespace

@@ -105,7 +105,7 @@ refused_set 'unknown material of a body' \
   '<Bodies/block/Material> is <ruber>|did you mean <rubber>?|Materials/Names: rubber' \
   'Bodies/block/Material=ruber'
 refused_set 'unknown shape' \
-  '<Bodies/block/Shape> is <bax>|did you mean <box>?|Known are: box, ball, expression' \
+  '<Bodies/block/Shape> is <bax>|did you mean <box>?|Known are: box, ball, mesh, expression' \
   'Bodies/block/Shape=bax'
 refused_set 'unknown model' \
   '<Materials/rubber/Model> is <Hooke>|Known are: Hencky' \

@@ -62,6 +62,11 @@ prints '--help of an entry' '--help=step size'
 check '--help of an entry: where it stands' has_lines 1 "$work/out" '^Time/Step size$'
 check '--help of an entry: what it is' has_lines 1 "$work/out" '^ *# .*Unit: s\.'
 check '--help of an entry: nothing else' has_lines 3 "$work/out"
+prints '--help of a word: no section or entry has that name' --help ground
+check '--help of a word: entries that speak of it' has_lines 1 "$work/out" '^Bodies/.*/K0$'
+check '--help of a word: what they say' has_lines 1 "$work/out" 'Of level ground: the horizontal over'
+prints '--help of a word: static' --help static
+check '--help of a word: the integrator' has_lines 1 "$work/out" '^Time/Integrator$'
 prints '--help of a study' study --help Names
 check '--help of a study: its entry' has_lines 1 "$work/out" '^Study/Names$'
 
@@ -133,6 +138,8 @@ tells()
 echo "Results of a run"
 prints '--check' --check base.prm
 tells '--check'
+prints '--check --step' --check --step base.prm
+check '--check --step: says how long it takes' has_lines 1 "$work/out" 'such steps take [0-9.e-]+ s$'
 check '--check: counts the particles' matches "$work/out" '^ *particles +16[ ,]'
 accepted 'tiny scene' base.prm --set 'Output/Directory=a/deep/folder'
 here=a/deep/folder

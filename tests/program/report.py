@@ -81,6 +81,19 @@ def main():
     dom = dom_of(browser, "bare/report.html")
     check('data-curves="0"' in dom and 'data-ready="yes"' in dom and "No curves" in dom and 'data-frames="5"' in dom,
           "its page has all but the curves")
+    # the film of a run that went on is that of one that nobody stopped
+    film = lambda folder: re.search(r'"film":(\{.*?\]\})', open(folder + "/report.html").read()).group(1)
+    cut = run("cut", "Checkpoint/Every steps=1", "Time/Maximum steps=5")
+    check(cut.returncode == 0 and film("cut") != film("plain"), "a run that ends early has another film")
+    again = subprocess.run([emmy, "--restart", "cut", "--set", "Time/Maximum steps=0"],
+                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    check(again.returncode == 0 and film("cut") == film("plain"), "restarted, it has all frames, to the last bit")
+    again = subprocess.run([emmy, "--restart", "cut"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    check(again.returncode == 0 and "the run is finished" in again.stdout and "Time/End time=0.4" in again.stdout,
+          "a finished run says what to raise")
+    again = subprocess.run([emmy, "--restart", "cut", "--set", "Time/End time=0.3", "--set",
+                            "Output/Picture field=pressure"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    check(again.returncode == 0 and film("cut").count('"time"') < 5, "of another field, the film begins anew")
     check(run("none", "Output/Report=false").returncode == 0 and not os.path.exists("none/report.html"),
           "Report = false leaves it out")
     print(f"{len(failed)} failed")

@@ -149,7 +149,12 @@ int
 main(int argc, char *argv[])
 {
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  const std::string                        folder = argv[1];
+  if (argc != 2)
+    {
+      std::cerr << "write the folder of the scenes: prm/examples\n";
+      return 1;
+    }
+  const std::string folder = argv[1];
   for (const bool rolls : {true, false})
     check_disc(folder, rolls);
   for (const double degrees : {20., 40.})

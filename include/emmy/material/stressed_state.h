@@ -16,6 +16,9 @@ namespace emmy
     double            stored_energy = 0.;          ///< J/m^3, reference volume
     double            volume_ratio  = 1.;          ///< J
     bool              is_found      = false;       ///< false: it would flow
+    /** Of a material with history, after the given state. */
+    std::vector<double> history;
+    double              hardening_energy = 0.; ///< J/m^3, reference volume
   };
 
   /**
@@ -31,6 +34,36 @@ namespace emmy
   stressed_state(const Material<dim>       &material,
                  const std::vector<double> &parameters,
                  const MandelVector<dim>   &stress);
+
+  /** A stress, and in which state it acts. */
+  template <int dim>
+  struct GivenStress
+  {
+    MandelVector<dim> stress; ///< Pa
+    bool              is_kirchhoff = false;
+    double            volume_ratio = 0.; ///< J; 0: of the elastic strain alone
+    std::vector<double> history;         ///< as of Material::history()
+  };
+
+  /**
+   * The elastic strain of a point that may have flowed before. Of a material
+   * with history, whose elastic law must be linear in the logarithmic strain
+   * (Hencky); a stress beyond its strength by no more than 1e-6, as rounded
+   * numbers in files are, is taken back to it.
+   */
+  template <int dim>
+  StressedState<dim>
+  stressed_state(const Material<dim>       &material,
+                 const std::vector<double> &parameters,
+                 const GivenStress<dim>    &given);
+
+  /** The state of an elastic strain b^e - I; see there. */
+  template <int dim>
+  StressedState<dim>
+  strained_state(const Material<dim>       &material,
+                 const std::vector<double> &parameters,
+                 const MandelVector<dim>   &left_cauchy_green_less_unit,
+                 const std::vector<double> &history);
 } // namespace emmy
 
 #endif

@@ -4,6 +4,7 @@
 #include <deal.II/base/point.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace emmy
@@ -11,14 +12,21 @@ namespace emmy
   /**
    * Positions and one number of particles at several times, for a page that
    * shows them as a film. Numbers have 16 bits between the least and the
-   * largest of all frames, which is 1/65000 of the scene. Kept in memory, on
-   * the first rank: 4 bytes a number, of at most 3000 particles.
+   * largest of all frames, which is 1/65000 of the scene. Frames are kept by
+   * who makes the film, so that a run that is restarted goes on with them: 4
+   * bytes a number, of at most 3000 particles.
    */
   class Animation
   {
   public:
-    /** @param label of the number, with its unit */
-    Animation(const unsigned int dim, const std::string &label);
+    /** Of each frame: its time, s; then dim + 1 numbers a particle. */
+    using Frames = std::vector<std::pair<double, std::vector<float>>>;
+
+    /**
+     * @param label  of the number, with its unit
+     * @param frames borrowed; those that there are already come first
+     */
+    Animation(const unsigned int dim, const std::string &label, Frames &frames);
 
     /** A frame of this rank's particles. Collective. */
     template <int dim>
@@ -44,15 +52,9 @@ namespace emmy
     }
 
   private:
-    struct Frame
-    {
-      double             time;
-      std::vector<float> numbers; ///< dim + 1 a particle
-    };
-
     const unsigned int dim;
     const std::string  label;
-    std::vector<Frame> frames;
+    Frames            &frames;
   };
 } // namespace emmy
 

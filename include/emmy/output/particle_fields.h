@@ -54,7 +54,7 @@ namespace emmy
    *  - pressure: -tr(sigma)/3, Pa, positive in compression;
    *  - von_mises_stress: sqrt(3/2 s:s) of the deviator s of sigma, Pa;
    *  - logarithmic_strain: 1/2 ln b, b = F F^T, of elastic and plastic
-   *    deformation together;
+   *    deformation together; elastic_strain: of the elastic one alone;
    *  - displacement: from where the particle was at the start of the run, m;
    *    only if the particles carry where that was (@ref add_start_position).
    *

@@ -99,6 +99,14 @@ namespace emmy
   dealii::Tensor<1, dim>
   initial_half_length(const Body<dim> &body, const BackgroundGrid<dim> &grid);
 
+  /** Which row of its table each particle of this rank is. */
+  struct FilledRows
+  {
+    dealii::types::particle_index first_id = 0; ///< of this rank
+    /** By id from there on; of bodies without a table: nothing that counts. */
+    std::vector<unsigned int> rows;
+  };
+
   /**
    * Fill the bodies with particles. Collective. A particle's volume is that of
    * its box, its mass the body's density times that; its half-length, if there
@@ -109,7 +117,7 @@ namespace emmy
    * a side that does not cut it, holds no particle, or overlaps another body.
    */
   template <int dim>
-  void
+  FilledRows
   fill(const std::vector<Body<dim>>            &bodies,
        const BackgroundGrid<dim>               &grid,
        const FieldLayout                       &layout,

@@ -19,6 +19,7 @@ namespace emmy
     unsigned int frames = 20;
     /** Whether VTU files are written. */
     bool particle_files = true, grid_files = true;
+    bool particle_tables = false; ///< and whether CSV
     /** Whether they are drawn. */
     bool                pictures = true, report = true;
     std::vector<double> picture_times; ///< s; empty: chosen by the run

@@ -15,6 +15,7 @@ namespace emmy
   {
     bool only_check  = false; ///< describe the scene, run nothing
     bool with_absent = false; ///< and what the absent effects would cost
+    bool with_step   = false; ///< of a check: make a step, and time it
     bool overwrite   = false; ///< replace results of an earlier run
     bool is_quiet    = false; ///< nothing on the screen; run.log as ever
     /** Borrowed: has a checkpoint written, and ends the run. Null: nothing. */

@@ -21,6 +21,17 @@ namespace emmy
          const SceneParameters<dim> &parameters,
          const StepReport           &initial,
          std::ostream               &out);
+
+  /**
+   * Make the first step, and say what the run will take by it: seconds, and
+   * memory. The scene is not used any more. Collective. Throws ExcRun where
+   * the step fails, as a run would.
+   */
+  template <int dim>
+  void
+  calibrate(Scene<dim>                 &scene,
+            const SceneParameters<dim> &parameters,
+            std::ostream               &out);
 } // namespace emmy
 
 #endif

@@ -36,6 +36,9 @@ namespace emmy
       surface_files;
     /** On rank 0: see Pictures::memory(). */
     std::vector<double> pictures;
+    /** On rank 0: what the film of the report shows, and so far. */
+    std::string                                        film_label;
+    std::vector<std::pair<double, std::vector<float>>> film;
   };
 
   /** How often steps were hard to make. */

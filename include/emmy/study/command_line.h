@@ -26,7 +26,7 @@ namespace emmy
     std::string              file;        ///< the parameter file
     std::vector<std::string> assignments; ///< of --set, in their order
     /** As given. */
-    bool        overwrite = false, all = false;
+    bool        overwrite = false, all = false, step = false;
     double      tolerance = 0.;    ///< 0: not asked for
     bool        is_study  = false; ///< the first word is `study`
     std::string restart;           ///< results of the run to go on with
