@@ -1,5 +1,4 @@
 #include <emmy/material/conserving_stress.h>
-#include <emmy/material/flow_weight.h>
 #include <emmy/material/mean_dilatation.h>
 #include <emmy/math/divided_volume.h>
 #include <emmy/math/kinematics.h>
@@ -102,12 +101,9 @@ namespace emmy
              (2. + scale) * scale * mandel::plus_unit<dim>(less_unit);
     }
 
-    /**
-     * The states of a batch at t + dt, with scaled increments.
-     * @return b^e - I of the points before they flow
-     */
+    /** The states of a batch at t + dt, with scaled increments. */
     template <int dim>
-    std::array<MandelVector<dim>, max_batch_points>
+    void
     update_scaled_states(const Material<dim>  &material,
                          const CellPoint<dim> *points,
                          const bool            with_energy_change,
@@ -140,11 +136,9 @@ namespace emmy
                              elastic_old.data(),
                              batch.kirchhoff_stress_old.data(),
                              dim == 2 ? scales.data() : nullptr};
-      const auto trial    = batch.material.left_cauchy_green_less_unit;
       material.evaluate(batch.material);
       batch.material.step.displacement_gradient = nullptr; // gone
       batch.material.step.out_of_plane          = nullptr;
-      return trial;
     }
 
     /** What a stress at t + dt says relative to t: dev, and as C changes. */
@@ -289,8 +283,7 @@ namespace emmy
                                         CellPoint<dim>      *points) const
   {
     const bool is_conserving = kind == Kind::conserving;
-    const auto trial =
-      update_scaled_states(material, points, is_conserving, batch);
+    update_scaled_states(material, points, is_conserving, batch);
     if (is_conserving)
       subtract_energies(material.gives_energy_change(), batch);
     for (unsigned int p = 0; p < batch.n_points; ++p)
@@ -300,7 +293,7 @@ namespace emmy
         point.mean_stress_end = mandel::unit<dim>() * tau / 3.;
         if (is_conserving)
           {
-            conserve(material, trial[p], batch, p, point);
+            conserve(material, batch, p, point);
             continue;
           }
         const double         theta = 1. + point.mean_change;
@@ -322,11 +315,10 @@ namespace emmy
 
   template <int dim>
   void
-  MeanDilatationStress<dim>::conserve(const Material<dim>     &material,
-                                      const MandelVector<dim> &trial,
-                                      StressBatch<dim>        &batch,
-                                      const unsigned int       p,
-                                      CellPoint<dim>          &point) const
+  MeanDilatationStress<dim>::conserve(const Material<dim> &material,
+                                      StressBatch<dim>    &batch,
+                                      const unsigned int   p,
+                                      CellPoint<dim>      &point) const
   {
     const auto  &H        = batch.displacement_gradient[p];
     const auto  &tau      = batch.material.kirchhoff_stress[p];
@@ -343,15 +335,8 @@ namespace emmy
     const double unit_unit = unit_in_plane<dim>() * b_squared;
     const double kappa     = 4. / 9. * unit_unit;
 
-    const FlowWeight<dim> weight({trial,
-                                  batch.material.left_cauchy_green_less_unit[p],
-                                  tau,
-                                  batch.material.spatial_tangent[p],
-                                  end.Q},
-                                 batch.with_tangent);
-    const auto            S_old = in_plane<dim>(tau_old - mean_old * unit);
-    const auto            mean_S =
-      (1. - weight.value) * S_old + weight.value * end.deviator;
+    const auto mean_S =
+      0.5 * (in_plane<dim>(tau_old - mean_old * unit) + end.deviator);
     const double mean_Pi = 0.5 * (mean_old + end.pressure / theta);
     const auto B = Qb * A - (b_squared * A / unit_unit) * b_squared; // b A_d b
     const double nu = A * B + kappa * change * change;
@@ -366,13 +351,8 @@ namespace emmy
     const EndSlope<dim> slope(end, tau, batch.material.spatial_tangent[p]);
     const double        mean_by_log =
       0.5 * (slope.pressure_by_log - end.pressure) / theta;
-    const auto S_change    = end.deviator - S_old;
-    const auto mean_S_by_C = weight.value * slope.deviator_by_C +
-                             2. * outer_product(S_change, weight.by_C);
-    const auto mean_S_by_log =
-      weight.value * slope.deviator_by_log + weight.by_log * S_change;
-    point.S_by_C              = mean_S_by_C;
-    point.S_by_mean           = 1. / theta * mean_S_by_log;
+    point.S_by_C              = 0.5 * slope.deviator_by_C;
+    point.S_by_mean           = 0.5 / theta * slope.deviator_by_log;
     point.mean_stress_by_C    = slope.pressure_by_C / theta;
     point.mean_stress_by_mean = mean_by_log / theta;
     const auto &elastic_old   = batch.is_inelastic
@@ -388,12 +368,13 @@ namespace emmy
         ? EndStress<dim>(identity<dim>() + H, batch.material.energy_stress[p])
         : end;
     const auto beta_by_C =
-      (energy.deviator - 0.5 * (A * mean_S_by_C) - mean_S -
+      (energy.deviator - 0.25 * (A * slope.deviator_by_C) - mean_S -
        change / theta * slope.pressure_by_C - 2. * beta * B) /
       nu;
     const double beta_by_log =
-      (2. * energy.pressure - A * mean_S_by_log - 2. * change * mean_by_log -
-       2. * mean_Pi * theta - 2. * beta * kappa * change * theta) /
+      (2. * energy.pressure - 0.5 * (A * slope.deviator_by_log) -
+       2. * change * mean_by_log - 2. * mean_Pi * theta -
+       2. * beta * kappa * change * theta) /
       nu;
     point.S_by_C +=
       2. * outer_product(B, beta_by_C) +

@@ -306,57 +306,6 @@ namespace
                       name + ": stress of points that move alike");
   }
 
-  /**
-   * Metal that flows at the stress Y, and turns the direction of its flow by
-   * some angle in the next step. Whatever else then changes of the step's
-   * strain is resisted: the quadratic form of the tangent is not less than the
-   * -Y or so of a change of geometry. The mean of the stresses at both ends
-   * would make it -0.06 Y/|A|, 30 Y here.
-   */
-  template <int dim>
-  void
-  check_flow_that_turns()
-  {
-    constexpr double Y = 1., size = 1e-3; // G = 1e4 Y
-    ElasticConstants constants;
-    constants.density       = 1.;
-    constants.bulk_modulus  = 2e4 * Y;
-    constants.shear_modulus = 1e4 * Y;
-    const VonMises<dim> metal(constants.completed("test"), YieldSurface{Y, 0.});
-    Tensor<2, dim>      first, second; // directions of flow
-    first[0][0]  = std::sqrt(0.5);
-    first[1][1]  = -first[0][0];
-    second[0][1] = second[1][0] = first[0][0];
-    double least                = 0.;
-    for (const double degrees : {0., 30., 60., 90., 120., 150., 180.})
-      {
-        Cell<dim> cell;
-        cell.volumes.fill(1.);
-        cell.volume_ratios.fill(1.);
-        cell.states.assign(n_points, state_at<dim>(metal, size * first, 0.));
-        const double   angle = degrees * dealii::numbers::PI / 180.;
-        Gradients<dim> H;
-        H.fill(size * (std::cos(angle) * first + std::sin(angle) * second));
-        const auto p = moved<dim>(metal, Kind<dim>::conserving, cell, H);
-        test::check(p.flows, "flow that turns: flows");
-        for (unsigned int sample = 0; sample < 200; ++sample)
-          {
-            auto dH = random_tensor<dim>(1.);
-            dH      = 0.5 * (dH + transpose(dH));
-            dH -= trace(dH) / dim * identity<dim>();
-            double form = 0.;
-            for (unsigned int r = 0; r < dim * dim; ++r)
-              for (unsigned int c = 0; c < dim * dim; ++c)
-                form += dH[r / dim][r % dim] * p.batches[0].tangent[0][r][c] *
-                        dH[c / dim][c % dim];
-            least = std::min(least, form / dH.norm_square());
-          }
-      }
-    std::cout << "flow that turns: the least of the quadratic form is " << least
-              << " Y\n";
-    test::check(least > -2. * Y, "flow that turns: is resisted");
-  }
-
   template <int dim>
   void
   check_all()
@@ -376,7 +325,5 @@ main()
 {
   check_all<2>();
   check_all<3>();
-  check_flow_that_turns<2>();
-  check_flow_that_turns<3>();
   return test::report();
 }

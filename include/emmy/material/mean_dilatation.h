@@ -61,10 +61,10 @@ namespace emmy
    * the points' energies depend on C_p and theta, and j - 1 = D : A exactly
    * with a tensor D(C). Derivation: doc/locking.md.
    *
-   * conserving: with p = tr tau/3, A = Delta F^T Delta F - I, the metric
-   * <X, Y> = X : b_t Y b_t, and the weight w of FlowWeight, 1/2 without flow,
-   * @f[ \bar S = (1-w)\,\mathrm{dev}\,\tau_t +
-   *       w\,\Delta F^{-1}\mathrm{dev}\,\tau\,\Delta F^{-T},\quad
+   * conserving: with p = tr tau/3, A = Delta F^T Delta F - I and the metric
+   * <X, Y> = X : b_t Y b_t,
+   * @f[ \bar S = \tfrac12(\mathrm{dev}\,\tau_t +
+   *       \Delta F^{-1}\mathrm{dev}\,\tau\,\Delta F^{-T}),\quad
    *     \bar\Pi = \tfrac12(p_t + p/\theta),\quad
    *     \eta = 2(\Delta\psi + \Delta D) - \bar S : A - 2\bar\Pi(\theta-1), @f]
    * @f[ A_d = A - I\,\frac{\langle I,A\rangle}{\langle I,I\rangle},\quad
@@ -123,11 +123,10 @@ namespace emmy
 
   private:
     void
-    conserve(const Material<dim>     &material,
-             const MandelVector<dim> &trial,
-             StressBatch<dim>        &batch,
-             const unsigned int       p,
-             CellPoint<dim>          &point) const;
+    conserve(const Material<dim> &material,
+             StressBatch<dim>    &batch,
+             const unsigned int   p,
+             CellPoint<dim>      &point) const;
 
     const Kind kind;
   };
