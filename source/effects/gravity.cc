@@ -31,11 +31,18 @@ namespace emmy
                                " components in m/s^2, separated by , or ;, "
                                "e.g. " +
                                (dim == 2 ? "0, -9.81." : "0, 0, -9.81.")));
-    dealii::Tensor<1, dim> g;
-    for (unsigned int d = 0; d < dim; ++d)
-      g[d] = acceleration[d];
     effects.terms.push_back(std::make_unique<Gravity<dim>>(
-      g, layout["mass"], Amplitude(amplitude, this->path())));
+      vector(), layout["mass"], Amplitude(amplitude, this->path())));
+  }
+
+  template <int dim>
+  dealii::Tensor<1, dim>
+  GravityParameters<dim>::vector() const
+  {
+    dealii::Tensor<1, dim> g;
+    for (unsigned int d = 0; d < dim && d < acceleration.size(); ++d)
+      g[d] = acceleration[d];
+    return g;
   }
 
   template <int dim>

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace emmy
 {
@@ -47,7 +48,6 @@ namespace emmy
     template <int dim>
     void
     set_state(const StressedState<dim> &state,
-              const double              mean_stress,
               const FieldLayout        &layout,
               Particle<dim>            &particle)
     {
@@ -63,11 +63,6 @@ namespace emmy
       if (layout.has("elastic_left_cauchy_green_less_unit"))
         set("elastic_left_cauchy_green_less_unit",
             state.left_cauchy_green_less_unit);
-      if (layout.has(own_volume_field))
-        {
-          properties[layout[own_volume_field]]   = state.volume_ratio - 1.;
-          properties[layout["cell_mean_stress"]] = mean_stress;
-        }
     }
   } // namespace
 
@@ -122,7 +117,7 @@ namespace emmy
               " Pa";
             break;
           }
-        set_state(state, mandel::unit<dim>() * stress / 3., layout, particle);
+        set_state(state, layout, particle);
       }
     throw_together(communicator,
                    "Materials",
@@ -133,6 +128,54 @@ namespace emmy
                    wrong_stress,
                    "choose a K0 or a <Stress> within its strength, or raise "
                    "its strength.");
+    set_cell_states(material_of_body, layout, particles);
+  }
+
+  template <int dim>
+  void
+  set_cell_states(const std::vector<const Material<dim> *> &material_of_body,
+                  const FieldLayout                        &layout,
+                  dealii::Particles::ParticleHandler<dim>  &particles)
+  {
+    if (!layout.has(own_volume_field))
+      return;
+    const unsigned int body        = layout["body"],
+                       own_volume  = layout[own_volume_field],
+                       mean_stress = layout[cell_mean_stress_field],
+                       stress      = layout["kirchhoff_stress"],
+                       strain      = layout["left_cauchy_green_less_unit"],
+                       volume      = layout["reference_volume"];
+    struct Sums
+    {
+      double volume = 0., stress = 0.; // sum V0 J, sum V0 tr tau/3
+    };
+    std::map<std::pair<unsigned int, const Material<dim> *>, Sums> cells;
+    const auto sums_of = [&](const Particle<dim> &particle) -> Sums & {
+      return cells[{particle.get_surrounding_cell()->active_cell_index(),
+                    material_of_body[particle.get_properties()[body]]}];
+    };
+    const auto tensor = [](const auto &properties, const unsigned int offset) {
+      MandelVector<dim> a;
+      for (unsigned int c = 0; c < n_mandel<dim>; ++c)
+        a[c] = properties[offset + c];
+      return a;
+    };
+    for (auto &particle : particles)
+      {
+        const auto   properties = particle.get_properties();
+        const double J          = std::sqrt(
+          1. + mandel::determinant_less_one<dim>(tensor(properties, strain)));
+        properties[own_volume] = J - 1.;
+        Sums &sums             = sums_of(particle);
+        sums.volume += properties[volume] * J;
+        sums.stress += properties[volume] *
+                       (mandel::unit<dim>() * tensor(properties, stress)) / 3.;
+      }
+    for (auto &particle : particles)
+      {
+        const Sums &sums                       = sums_of(particle);
+        particle.get_properties()[mean_stress] = sums.stress / sums.volume;
+      }
   }
 
 #define INSTANTIATE(dim)                        \
@@ -141,6 +184,10 @@ namespace emmy
     const std::vector<const Material<dim> *> &, \
     const FieldLayout &,                        \
     const MPI_Comm,                             \
+    dealii::Particles::ParticleHandler<dim> &); \
+  template void set_cell_states<dim>(           \
+    const std::vector<const Material<dim> *> &, \
+    const FieldLayout &,                        \
     dealii::Particles::ParticleHandler<dim> &);
   INSTANTIATE(2)
   INSTANTIATE(3)

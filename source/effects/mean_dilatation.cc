@@ -23,7 +23,7 @@ namespace emmy
     Field
     mean_stress_field()
     {
-      return {"cell_mean_stress",
+      return {cell_mean_stress_field,
               Field::Kind::scalar,
               "Pa",
               "mean Cauchy stress of the particles of the cell that the "

@@ -164,12 +164,15 @@ namespace emmy
         if (bodies[b].shape->volume() == 0. && bodies[b].cut_by.none())
           result[b].shape_volume =
             sampled_volume(*bodies[b].shape, grid.communicator());
-        result[b].volume = sums[n_sums * b];
-        result[b].mass   = sums[n_sums * b + 1];
+        result[b].mass = sums[n_sums * b + 1];
+        // undeformed volumes of ground with stress are not those of its boxes
+        result[b].volume = bodies[b].initial_stress
+                             ? result[b].mass / bodies[b].density
+                             : sums[n_sums * b];
         for (unsigned int d = 0; d < dim; ++d)
           {
             result[b].center[d] = sums[n_sums * b + 2 + d] / result[b].mass;
-            result[b].lower[d]  = -reach[2 * (dim * b + d)];
+            result[b].lower[d]  = 0. - reach[2 * (dim * b + d)]; // never -0
             result[b].upper[d]  = reach[2 * (dim * b + d) + 1];
           }
       }

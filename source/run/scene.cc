@@ -24,6 +24,8 @@ namespace emmy
   {
     /** Ledger column of scenes that begin with a stress: in row 0. */
     constexpr const char *initial_imbalance = "initial_imbalance";
+    /** Of the forces: what level ground should not begin with. */
+    constexpr double far_from_balance = 0.01;
 
     template <int dim>
     std::vector<std::unique_ptr<Material<dim>>>
@@ -231,6 +233,8 @@ namespace emmy
                              grid,
                              particles);
         notes   = started.notes;
+        if (started.lacks_cell_states)
+          set_cell_states(material_of_body, layout, particles);
         return;
       }
     refuse_too_many(bodies, grid, layout);
@@ -306,6 +310,12 @@ namespace emmy
     notes.push_back("initial stress: " + brief(stored) +
                     " J stored; out of balance with loads and sides by " +
                     brief(imbalance) + " of the forces");
+    if (imbalance > far_from_balance)
+      notes.push_back(
+        "so ground that should be at rest begins to move. Is its Unit weight, "
+        "in N/m^3, its Density times the gravity that acts at the start, and "
+        "do sides hold it? Ground that is not level comes to rest in static "
+        "steps");
   }
 
   template <int dim>

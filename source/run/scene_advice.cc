@@ -2,6 +2,7 @@
 #include <deal.II/base/utilities.h>
 
 #include <emmy/base/text.h>
+#include <emmy/effects/gravity.h>
 #include <emmy/effects/starved_nodes.h>
 #include <emmy/run/scene_advice.h>
 
@@ -96,6 +97,46 @@ namespace emmy
                 << brief(extent)
                 << " m and the modulus of a metal or rock. Are lengths in mm? "
                    "emmy takes m, kg, s\n";
+        }
+    }
+
+    /** Bodies that their own weight would crush. */
+    template <int dim>
+    void
+    tell_weights(const Scene<dim>           &scene,
+                 const SceneParameters<dim> &parameters,
+                 std::ostream               &out)
+    {
+      constexpr double  largest_strain = 0.2;
+      const auto       &names          = parameters.effect_names.names;
+      const std::string gravity        = "gravity";
+      if (std::find(names.begin(), names.end(), gravity) == names.end())
+        return;
+      const auto g = dynamic_cast<const GravityParameters<dim> &>(
+                       *parameters.effects.at(gravity))
+                       .vector();
+      for (unsigned int b = 0; b < scene.bodies.size(); ++b)
+        {
+          if (!scene.material_of_body[b]->parameters().empty())
+            continue; // its modulus is one of many
+          const Body<dim> &body = scene.bodies[b];
+          const auto       box  = body.shape->bounding_box();
+          const auto       size =
+            scene.grid.upper_corner() - scene.grid.lower_corner();
+          double weight = 0.; // rho g H, Pa
+          for (unsigned int d = 0; d < dim; ++d)
+            if (g[d] != 0.)
+              weight += body.density * std::abs(g[d]) *
+                        std::min(box.side_length(d), size[d]);
+          const double modulus = scene.material_of_body[b]->p_wave_modulus();
+          if (weight > largest_strain * modulus)
+            out << "  note: body <" << body.name
+                << ">: its weight, density times gravity times height, is "
+                << brief(weight) << " Pa, of a P-wave modulus of "
+                << brief(modulus) << " Pa, and would squeeze it by more than "
+                << brief(100. * largest_strain)
+                << " %. Is the modulus in kPa or MPa, or the density not in "
+                   "kg/m^3?\n";
         }
     }
 
@@ -269,6 +310,7 @@ namespace emmy
     if (!parameters.time.is_static())
       tell_waves(scene, initial, out);
     tell_units(scene, out);
+    tell_weights(scene, parameters, out);
     tell_starved(scene, out);
     const auto counts = count(scene);
     if (counts.overlaps > 0)

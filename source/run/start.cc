@@ -2,6 +2,7 @@
 #include <emmy/base/parameter_file.h>
 #include <emmy/base/text.h>
 #include <emmy/base/whole_file.h>
+#include <emmy/effects/mean_dilatation.h>
 #include <emmy/run/saved_run.h>
 #include <emmy/run/start.h>
 #include <emmy/transfer/particle_parcel.h>
@@ -204,13 +205,22 @@ namespace emmy
     deliver(parcel, grid, particles);
 
     StartedFrom result;
-    result.path   = saved.path;
-    result.stored = stored_energies<dim>(saved);
-    result.notes  = {"started from step " + std::to_string(saved.step) +
-                     ", t = " + brief(saved.time) + " s of <" + parameters.from +
-                     ">, with its energies"};
-    if (!fields.virgin.empty())
-      result.notes.push_back("as in a virgin body: " + join(fields.virgin));
+    result.path        = saved.path;
+    result.stored      = stored_energies<dim>(saved);
+    result.notes       = {"started from step " + std::to_string(saved.step) +
+                          ", t = " + brief(saved.time) + " s of <" + parameters.from +
+                          ">, with its energies"};
+    auto virgin_fields = fields.virgin; // but for those that follow from others
+    for (const char *const field : {own_volume_field, cell_mean_stress_field})
+      if (const auto found =
+            std::find(virgin_fields.begin(), virgin_fields.end(), field);
+          found != virgin_fields.end())
+        {
+          virgin_fields.erase(found);
+          result.lacks_cell_states = true;
+        }
+    if (!virgin_fields.empty())
+      result.notes.push_back("as in a virgin body: " + join(virgin_fields));
     if (!fields.left.empty())
       result.notes.push_back("left behind: " + join(fields.left));
     return result;

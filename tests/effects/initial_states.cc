@@ -8,6 +8,9 @@
 
 #include <emmy/material/graded_material.h>
 #include <emmy/material/stressed_state.h>
+#include <emmy/output/particle_fields.h>
+
+#include <map>
 
 #include "../material/laws.h"
 #include "../scene.h"
@@ -178,7 +181,28 @@ namespace
     run.most_residual_work = 1.; // there is nothing but round-off
     const double stored    = run.ledger["strain_energy"];
     const double imbalance = run.scene.stepper->imbalance();
-    run.advance(50);
+    // files say the same of it before the first step and after
+    const auto pressures = [&run] {
+      const ParticleFields<2> fields(run.scene.layout);
+      const auto              pressure =
+        fields.find({"pressure"}, "Output", "Particle fields").front();
+      std::map<unsigned int, double> result;
+      for (const auto &particle : run.scene.particles)
+        {
+          std::vector<double> value;
+          pressure.append(particle, value);
+          result[particle.get_id()] = value[0];
+        }
+      return result;
+    };
+    const auto before = pressures();
+    run.advance(1);
+    for (const auto &[id, pressure] : pressures())
+      check_close(pressure,
+                  before.at(id),
+                  1e-9 * std::abs(before.at(id)),
+                  name + ": pressure before and after the first step");
+    run.advance(49);
     const double moves = test::largest(run.column("kinetic_energy"));
     say(name + ": stored " + brief(stored) + " J, out of balance by " +
         brief(imbalance) + ", kinetic energy at most " + brief(moves) + " J");
@@ -247,6 +271,9 @@ namespace
     // half of the weight, of forces that count those on sides too
     check(told[0] > 0.1 && told[0] < 0.5, "too light: out of balance");
     check(told[1] == 0., "too light: row 0 alone says it");
+    check(run.scene.notes.back().find("Is its Unit weight") !=
+            std::string::npos,
+          "too light: a note asks for its weight");
   }
 
   /** Moduli that grow with depth: the settlement of the closed form. */

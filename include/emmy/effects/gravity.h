@@ -20,6 +20,10 @@ namespace emmy
     static EffectCard
     card();
 
+    /** The acceleration, m/s^2; as given, and zero if it is not complete. */
+    dealii::Tensor<1, dim>
+    vector() const;
+
   private:
     std::vector<double> acceleration; // m/s^2
     AmplitudeParameters amplitude;

@@ -29,6 +29,20 @@ namespace emmy
                      const FieldLayout                        &layout,
                      const MPI_Comm                            communicator,
                      dealii::Particles::ParticleHandler<dim>  &particles);
+
+  /**
+   * Give particles that have a state, but did not come from a step with the
+   * treatment of locking (MeanDilatation), what that carries: own volumes are
+   * those of their deformation, and the mean stress of a cell is that of its
+   * particles of one material, sum V0 tr tau/3 over sum V0 J, as it is in each
+   * step. Nothing where a scene has no such treatment. Cost: two passes over
+   * the particles.
+   */
+  template <int dim>
+  void
+  set_cell_states(const std::vector<const Material<dim> *> &material_of_body,
+                  const FieldLayout                        &layout,
+                  dealii::Particles::ParticleHandler<dim>  &particles);
 } // namespace emmy
 
 #endif

@@ -17,6 +17,9 @@ namespace emmy
   /** The field with det F - 1 of a particle's own motion. */
   constexpr const char *own_volume_field = "own_volume_ratio_less_one";
 
+  /** The field with the mean Cauchy stress of a particle's cell. */
+  constexpr const char *cell_mean_stress_field = "cell_mean_stress";
+
   /**
    * The internal force of a step in which the volume of all particles of a
    * cell and a material changes alike: see MeanDilatationStress. In place of

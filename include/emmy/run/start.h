@@ -33,6 +33,8 @@ namespace emmy
     std::string                   path;   ///< of the checkpoint; empty: none
     std::map<std::string, double> stored; ///< energies by ledger column, J
     std::vector<std::string>      notes;  ///< for the log
+    /** Whether set_cell_states() is to find what the old run had not. */
+    bool lacks_cell_states = false;
   };
 
   /**
