@@ -1,11 +1,10 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/index_limits.h>
 #include <emmy/base/unknown.h>
+#include <emmy/system/matrix_pattern.h>
 #include <emmy/system/node_graph.h>
 
-#include <Epetra_CrsGraph.h>
 #include <Epetra_CrsMatrix.h>
-#include <Epetra_Map.h>
 #include <Epetra_MpiComm.h>
 
 #include <algorithm>
@@ -14,50 +13,6 @@
 namespace emmy
 {
   using dealii::types::global_dof_index;
-
-  namespace
-  {
-    /**
-     * What matrices are made of. Collective.
-     * @param rows        columns of the owned nodes, sorted, in nodes
-     * @param column_dofs of each column, its first unknown
-     */
-    template <int dim>
-    std::unique_ptr<const Epetra_CrsMatrix>
-    pattern_of(const std::vector<std::vector<unsigned int>> &rows,
-               const std::vector<global_dof_index>          &column_dofs,
-               const dealii::IndexSet                       &owned_dofs,
-               const MPI_Comm                                communicator)
-    {
-      const Epetra_Map map = owned_dofs.make_trilinos_map(communicator);
-      std::vector<int> unknowns, lengths;
-      for (const global_dof_index dof : column_dofs)
-        for (unsigned int c = 0; c < dim; ++c)
-          unknowns.push_back(static_cast<int>(dof + c));
-      const Epetra_Map column_map(
-        -1, unknowns.size(), unknowns.data(), 0, map.Comm());
-      for (const std::vector<unsigned int> &row : rows)
-        lengths.insert(lengths.end(), dim, dim * row.size());
-      // local indices: nothing is looked up, nothing sorted
-      Epetra_CrsGraph graph(
-        Copy, map, column_map, lengths.data(), /*StaticProfile=*/true);
-      std::vector<int> columns;
-      for (unsigned int node = 0; node < rows.size(); ++node)
-        {
-          columns.clear();
-          for (const unsigned int column : rows[node])
-            for (unsigned int c = 0; c < dim; ++c)
-              columns.push_back(unknown<dim>(column, c));
-          for (unsigned int c = 0; c < dim; ++c)
-            graph.InsertMyIndices(unknown<dim>(node, c),
-                                  columns.size(),
-                                  columns.data());
-        }
-      graph.FillComplete(map, map);
-      graph.OptimizeStorage();
-      return std::make_unique<const Epetra_CrsMatrix>(View, graph);
-    }
-  } // namespace
 
   template <int dim>
   void
@@ -273,7 +228,7 @@ namespace emmy
         std::sort(row.begin(), row.end());
         row.erase(std::unique(row.begin(), row.end()), row.end());
       }
-    pattern = pattern_of<dim>(rows, column_dofs, owned_dofs, communicator);
+    pattern = matrix_pattern<dim>(rows, column_dofs, owned_dofs, communicator);
 
     const auto place_in = [](const std::vector<unsigned int> &row,
                              const unsigned int               column) {
