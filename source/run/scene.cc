@@ -16,7 +16,6 @@
 
 #include <algorithm>
 #include <iomanip>
-#include <ostream>
 
 namespace emmy
 {
