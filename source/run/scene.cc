@@ -312,7 +312,7 @@ namespace emmy
     if (imbalance > far_from_balance)
       notes.push_back(
         "so ground that should be at rest begins to move. Is its Unit weight, "
-        "in N/m^3, its Density times the gravity that acts at the start, and "
+        "in N/m^3, its Density times the acceleration that acts at the start, and "
         "do sides hold it? Ground that is not level comes to rest in static "
         "steps");
   }

@@ -2,7 +2,7 @@
 #include <deal.II/base/utilities.h>
 
 #include <emmy/base/text.h>
-#include <emmy/effects/gravity.h>
+#include <emmy/effects/field_load.h>
 #include <emmy/effects/starved_nodes.h>
 #include <emmy/run/scene_advice.h>
 
@@ -107,14 +107,13 @@ namespace emmy
                  const SceneParameters<dim> &parameters,
                  std::ostream               &out)
     {
-      constexpr double  largest_strain = 0.2;
-      const auto       &names          = parameters.effect_names.names;
-      const std::string gravity        = "gravity";
-      if (std::find(names.begin(), names.end(), gravity) == names.end())
-        return;
-      const auto g = dynamic_cast<const GravityParameters<dim> &>(
-                       *parameters.effects.at(gravity))
-                       .vector();
+      constexpr double       largest_strain = 0.2;
+      dealii::Tensor<1, dim> g;
+      for (const std::string &name : parameters.effect_names.names)
+        if (const auto *uniform =
+              dynamic_cast<const UniformAcceleration<dim> *>(
+                parameters.effects.at(name).get()))
+          g += uniform->vector();
       for (unsigned int b = 0; b < scene.bodies.size(); ++b)
         {
           if (!scene.material_of_body[b]->parameters().empty())
@@ -131,7 +130,7 @@ namespace emmy
           const double modulus = scene.material_of_body[b]->p_wave_modulus();
           if (weight > largest_strain * modulus)
             out << "  note: body <" << body.name
-                << ">: its weight, density times gravity times height, is "
+                << ">: its weight, density times acceleration times height, is "
                 << brief(weight) << " Pa, of a P-wave modulus of "
                 << brief(modulus) << " Pa, and would squeeze it by more than "
                 << brief(100. * largest_strain)

@@ -6,6 +6,18 @@
 
 namespace emmy
 {
+  /** The parameters of an effect that accelerates all bodies alike. */
+  template <int dim>
+  class UniformAcceleration
+  {
+  public:
+    virtual ~UniformAcceleration() = default;
+
+    /** m/s^2; as given, and zero if it is not complete. */
+    virtual dealii::Tensor<1, dim>
+    vector() const = 0;
+  };
+
   /**
    * A load that particles hold: f_A = a sum_p S_Ap w_p q, with w_p a scalar
    * field of the particles, q a constant vector and a the amplitude of the

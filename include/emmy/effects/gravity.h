@@ -7,7 +7,8 @@ namespace emmy
 {
   /** Section `Effects/Gravity`. */
   template <int dim>
-  class GravityParameters : public EffectParameters<dim>
+  class GravityParameters : public EffectParameters<dim>,
+                            public UniformAcceleration<dim>
   {
   public:
     /** Declares the entries of a section. */
@@ -20,9 +21,8 @@ namespace emmy
     static EffectCard
     card();
 
-    /** The acceleration, m/s^2; as given, and zero if it is not complete. */
     dealii::Tensor<1, dim>
-    vector() const;
+    vector() const override;
 
   private:
     std::vector<double> acceleration; // m/s^2
