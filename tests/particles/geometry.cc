@@ -325,8 +325,11 @@ namespace
       }
     const auto refuses = [](const std::string              &file,
                             const std::vector<std::string> &words) {
-      check_throws_with([&] { read_particle_table<2>({file, -1, {}, "Bodies/b"}); },
-                        words);
+      check_throws_with(
+        [&] {
+          read_particle_table<2>({file, -1, {}, "Bodies/b"});
+        },
+        words);
     };
     refuses("wrong.csv", {"line 3", "3 finite numbers"});
     refuses("column.csv", {"no column <y>"});

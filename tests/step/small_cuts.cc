@@ -5,9 +5,9 @@
 
 #include <deal.II/lac/lapack_full_matrix.h>
 
+#include <deal.II/lac/trilinos_sparsity_pattern.h>
 #include <emmy/effects/ghost_stabilisation.h>
 #include <emmy/material/hencky.h>
-#include <deal.II/lac/trilinos_sparsity_pattern.h>
 
 #include <emmy/step/small_cuts.h>
 
