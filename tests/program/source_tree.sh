@@ -1,7 +1,8 @@
 #!/bin/sh
 # Tests leave no file in the source tree: its names are listed before the first
 # test and compared after the last. What Git ignores may come and go: build
-# folders, results, files of editors. Needs no Git.
+# folders, results, files of editors. Nor lies there at the top what belongs in
+# no release, as the results of a run begun there. Needs no Git.
 #
 # Usage: source_tree.sh list|compare SOURCE_ROOT BUILD_FOLDER
 set -u
@@ -24,6 +25,13 @@ case $1 in
   list)
     names >"$before"
     [ -s "$before" ] || { echo "FAILED: no files in $source" >&2; exit 1; }
+    strange=$(sed 's|^\./\([^/]*\).*|\1|' "$before" | LC_ALL=C sort -u |
+      grep -vxE '\..*|CMakeLists\.txt|source|include|prm|tests|doc|README\.md|LICENSE|CONTRIBUTING\.md|CITATION\.cff|run')
+    [ -z "$strange" ] && exit 0
+    echo "FAILED: these do not belong at the top of the source tree:"
+    echo "$strange" | sed 's/^/  /'
+    echo "Remedy: remove them, or name them in tests/program/source_tree.sh."
+    exit 1
     ;;
   compare)
     new=$(names | LC_ALL=C comm -13 "$before" -)
