@@ -9,8 +9,11 @@
 #include <emmy/output/particle_fields.h>
 #include <emmy/particles/particle_columns.h>
 
+#include <filesystem>
 #include <fstream>
 #include <map>
+
+#include <unistd.h>
 
 #include "../check.h"
 #include "../scene.h"
@@ -321,6 +324,11 @@ int
 main(int argc, char *argv[])
 {
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  // what is written stays nowhere
+  const auto folder = std::filesystem::temp_directory_path() /
+                      ("emmy-test-tables-" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  std::filesystem::current_path(folder);
   check_round_trip<2>(gum, "6*(y - 2); -3*x", false);
   check_round_trip<2>(metal, "200*(y - 2); 50*(x - 2)", true);
   check_round_trip<2>(soil, "20*(y - 2); 2*(x - 2)", true);
@@ -328,5 +336,6 @@ main(int argc, char *argv[])
   check_vtu();
   check_by_hand();
   check_refusals();
+  std::filesystem::remove_all(folder);
   return report();
 }
