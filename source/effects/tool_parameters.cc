@@ -32,9 +32,10 @@ namespace emmy
                         "Of the penalty, in P-wave moduli M of the body over "
                         "the spacing of its particles: a pressure sigma sinks "
                         "in by sigma/(Stiffness M) of the spacing. 0: 100 of "
-                        "a smooth plane whose displacement is given, a plate "
-                        "that presses; 10 of others, on which bodies bounce, "
-                        "roll or slide. Dimensionless, not negative.",
+                        "a plate that presses: a smooth plane whose "
+                        "displacement is given and that does not hold; 10 of "
+                        "others, which hold, or on which bodies bounce, roll "
+                        "or slide. Dimensionless, not negative.",
                         this->prm,
                         Double());
     this->add_parameter("Friction coefficient",
@@ -75,7 +76,8 @@ namespace emmy
     constexpr double of_plates = 100., of_others = 10.;
     const bool       moves =
       !motion.displacement.empty() || !motion.displacement_table.empty();
-    const bool presses = shape_name == "plane" && friction == 0. && moves;
+    const bool presses =
+      shape_name == "plane" && friction == 0. && moves && !holds;
     return stiffness > 0. ? stiffness : presses ? of_plates : of_others;
   }
 
