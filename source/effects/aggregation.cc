@@ -1,5 +1,6 @@
 #include <emmy/base/text.h>
 #include <emmy/effects/aggregation.h>
+#include <emmy/effects/families.h>
 
 #include <algorithm>
 #include <cmath>
@@ -123,6 +124,7 @@ namespace emmy
           fed.update_ghost_values();
         }
     }
+
     /** Nodes and their classes, to all ranks that may own them. Collective. */
     template <int dim>
     std::vector<std::pair<NodePlace<dim>, bool>>
@@ -185,12 +187,13 @@ namespace emmy
     std::map<CellKey<dim>, Master> by_place;
     for (const Root<dim> &root : roots_of_node)
       {
-        roots.push_back(root.cell);
-        const auto weights = continued<dim>(root.cell, node);
-        distance = std::max(distance, layers_between<dim>(node, root.cell));
+        roots.push_back(root);
+        const auto weights = continued<dim>(root.cell, node, root.span);
+        distance =
+          std::max(distance, layers_between<dim>(node, root.cell, root.span));
         for (unsigned int v = 0; v < n_vertices; ++v)
           {
-            const auto place  = node_of<dim>(root.cell, v);
+            const auto place  = node_of<dim>(root.cell, v, root.span);
             Master    &master = by_place[place];
             master.id         = root.ids[v];
             master.place      = place;
@@ -207,8 +210,14 @@ namespace emmy
   std::string
   Aggregates<dim>::text() const
   {
-    return std::to_string(n_followers) +
-           " starved nodes follow roots at most " +
+    const std::string of_families =
+      n_of_families > 0
+        ? std::to_string(n_of_families) +
+            " nodes follow cells twice as large, as particles there are as "
+            "large as cells: the grid is finer than they can use; "
+        : std::string();
+    return of_families + std::to_string(n_followers - n_of_families) +
+           " starved nodes follow; roots are at most " +
            std::to_string(farthest_root) +
            " cells away, the largest weight is " + brief(largest_weight) +
            (n_kept > 0 ? "; " + std::to_string(n_kept) +
@@ -261,6 +270,8 @@ namespace emmy
                                       classes.fed.local_element(i) > 0.);
         }
     std::sort(classes.active.begin(), classes.active.end());
+    classes.coarse =
+      coarse_nodes<dim>(stencils, points.component(volume_component), grid);
     return classes;
   }
 
@@ -276,26 +287,38 @@ namespace emmy
     for (const auto id : stencils.node_ids)
       active(id) = 1.;
     active.compress(dealii::VectorOperation::add);
+    // nodes that move on their own, or would if no family was near
+    NodeValues is_free = classes.fed;
+    is_free.update_ghost_values(); // a copy has none
+    std::map<dealii::types::global_dof_index, std::vector<Root<dim>>> chosen;
+    if (classes.coarse.size() > 0)
+      {
+        chosen =
+          follow_families<dim>(stencils, grid, active, classes.coarse, is_free);
+        result.n_of_families =
+          dealii::Utilities::MPI::sum(std::uint64_t(chosen.size()),
+                                      grid.communicator());
+      }
     const auto is_starved = [&](const unsigned int i) {
-      return active.local_element(i) > 0. && classes.fed.local_element(i) == 0.;
+      return active.local_element(i) > 0. && is_free.local_element(i) == 0.;
     };
     const std::uint64_t n_starved = count(active, is_starved);
     if (n_starved == 0)
       return result;
 
     // as many layers as there are: the particles may have moved since
-    std::map<dealii::types::global_dof_index, std::vector<Root<dim>>> chosen;
     for (unsigned int field = 0; field < grid.fields().size(); ++field)
       {
         const auto roots = find_roots(stencils,
-                                      classes.fed,
+                                      is_free,
                                       grid,
                                       field,
                                       std::numeric_limits<unsigned int>::max());
         for (unsigned int i = 0; i < active.locally_owned_size(); ++i)
           {
             const auto id = grid.nodes()->local_to_global(i);
-            if (grid.fields().field(id) != field || !is_starved(i))
+            if (grid.fields().field(id) != field || !is_starved(i) ||
+                chosen.count(id) > 0)
               continue;
             auto nearest = nearest_roots<dim>(roots, grid.node_key(id), grid);
             if (!nearest.empty())

@@ -10,10 +10,10 @@ namespace emmy
   {
     using dealii::types::global_dof_index;
 
-    /** A root as ranks send it: its place and its nodes. */
+    /** A root as ranks send it: its place, its corners and its span. */
     template <int dim>
-    using Entry =
-      std::array<global_dof_index, dim + BackgroundGrid<dim>::nodes_per_cell>;
+    using Entry = std::array<global_dof_index,
+                             dim + BackgroundGrid<dim>::nodes_per_cell + 1>;
 
     template <int dim>
     Entry<dim>
@@ -22,6 +22,7 @@ namespace emmy
       Entry<dim> entry;
       std::copy(root.cell.begin(), root.cell.end(), entry.begin());
       std::copy(root.ids.begin(), root.ids.end(), entry.begin() + dim);
+      entry.back() = root.span;
       return entry;
     }
 
@@ -34,6 +35,7 @@ namespace emmy
       std::copy_n(entry.begin() + dim,
                   BackgroundGrid<dim>::nodes_per_cell,
                   root.ids.begin());
+      root.span = entry.back();
       return root;
     }
 
@@ -81,6 +83,69 @@ namespace emmy
       result.erase(std::unique(result.begin(), result.end()), result.end());
       return result;
     }
+
+    /** Active cells of a field that this rank owns, all whose nodes are fed. */
+    template <int dim>
+    Roots<dim>
+    fed_cells(const Stencils<dim>       &stencils,
+              const NodeValues          &is_fed,
+              const BackgroundGrid<dim> &grid,
+              const unsigned int         field)
+    {
+      Roots<dim> cells;
+      for (const auto &active : stencils.active_cells)
+        if (active.field == field)
+          {
+            const auto ids   = grid.node_ids(active.cell, field);
+            const auto place = grid.key_of(active.cell);
+            if (std::all_of(ids.begin(), ids.end(), [&](const auto id) {
+                  return is_fed(id) > 0.;
+                }))
+              cells[place] = {{place, ids}};
+          }
+      return cells;
+    }
+
+    /**
+     * Layer by layer, active cells of a field that have no root take those of
+     * the cells around them. Collective.
+     */
+    template <int dim>
+    Roots<dim>
+    spread(Roots<dim>                 roots,
+           const Stencils<dim>       &stencils,
+           const BackgroundGrid<dim> &grid,
+           const unsigned int         field,
+           const unsigned int         n_layers)
+    {
+      std::vector<CellKey<dim>> without;
+      for (const auto &active : stencils.active_cells)
+        if (active.field == field && roots.count(grid.key_of(active.cell)) == 0)
+          without.push_back(grid.key_of(active.cell));
+      exchange<dim>(grid, roots);
+      for (unsigned int layer = 0; layer < n_layers; ++layer)
+        {
+          Roots<dim> found;
+          for (const CellKey<dim> &place : without)
+            {
+              auto of_place = roots_in<dim>(roots, grid.cells_around(place));
+              if (!of_place.empty())
+                found[place] = std::move(of_place);
+            }
+          if (dealii::Utilities::MPI::max(found.empty() ? 0 : 1,
+                                          grid.communicator()) == 0)
+            break;
+          without.erase(std::remove_if(without.begin(),
+                                       without.end(),
+                                       [&](const CellKey<dim> &place) {
+                                         return found.count(place) > 0;
+                                       }),
+                        without.end());
+          roots.insert(found.begin(), found.end());
+          exchange<dim>(grid, roots);
+        }
+      return roots;
+    }
   } // namespace
 
   template <int dim>
@@ -91,44 +156,40 @@ namespace emmy
              const unsigned int         field,
              const unsigned int         n_layers)
   {
-    Roots<dim>                roots;
-    std::vector<CellKey<dim>> without;
-    for (const auto &active : stencils.active_cells)
+    return spread<dim>(fed_cells<dim>(stencils, is_fed, grid, field),
+                       stencils,
+                       grid,
+                       field,
+                       n_layers);
+  }
+
+  template <int dim>
+  Roots<dim>
+  find_families(const Stencils<dim>       &stencils,
+                const NodeValues          &is_fed,
+                const BackgroundGrid<dim> &grid,
+                const unsigned int         field,
+                const unsigned int         n_layers)
+  {
+    const Roots<dim> fed = fed_cells<dim>(stencils, is_fed, grid, field);
+    Roots<dim>       families;
+    for (const auto &[place, cells] : fed)
       {
-        if (active.field != field)
-          continue;
-        const auto ids   = grid.node_ids(active.cell, field);
-        const auto place = grid.key_of(active.cell);
-        if (std::all_of(ids.begin(), ids.end(), [&](const auto id) {
-              return is_fed(id) > 0.;
-            }))
-          roots[place] = {{place, ids}};
-        else
-          without.push_back(place);
-      }
-    exchange<dim>(grid, roots);
-    for (unsigned int layer = 0; layer < n_layers; ++layer)
-      {
-        Roots<dim> found;
-        for (const CellKey<dim> &place : without)
+        Root<dim> family;
+        family.span   = 2;
+        family.cell   = block_of<dim>(place, family.span);
+        bool is_whole = true;
+        for (unsigned int v = 0; v < family.ids.size() && is_whole; ++v)
           {
-            auto of_place = roots_in<dim>(roots, grid.cells_around(place));
-            if (!of_place.empty())
-              found[place] = std::move(of_place);
+            const auto member = fed.find(node_of<dim>(family.cell, v));
+            is_whole          = member != fed.end();
+            if (is_whole) // its corner is also the family's
+              family.ids[v] = member->second.front().ids[v];
           }
-        if (dealii::Utilities::MPI::max(found.empty() ? 0 : 1,
-                                        grid.communicator()) == 0)
-          break;
-        without.erase(std::remove_if(without.begin(),
-                                     without.end(),
-                                     [&](const CellKey<dim> &place) {
-                                       return found.count(place) > 0;
-                                     }),
-                      without.end());
-        roots.insert(found.begin(), found.end());
-        exchange<dim>(grid, roots);
+        if (is_whole)
+          families[place] = {family};
       }
-    return roots;
+    return spread<dim>(std::move(families), stencils, grid, field, n_layers);
   }
 
   template <int dim>
@@ -139,7 +200,7 @@ namespace emmy
   {
     auto       result   = roots_in<dim>(roots, grid.cells_at_node(node));
     const auto distance = [&](const Root<dim> &root) {
-      return grid.from_node_to_center(node, root.cell).norm();
+      return grid.from_node_to_center(node, root.cell, root.span).norm();
     };
     double least = std::numeric_limits<double>::max();
     for (const Root<dim> &root : result)
@@ -164,7 +225,7 @@ namespace emmy
     // a node and one of its roots
     using Message =
       std::vector<std::array<global_dof_index,
-                             1 + dim + BackgroundGrid<dim>::nodes_per_cell>>;
+                             2 + dim + BackgroundGrid<dim>::nodes_per_cell>>;
     const auto               &nodes = *grid.nodes();
     std::vector<unsigned int> known_to_others; // one receiver after the other
     for (const auto &[begin, end] : nodes.import_indices())
@@ -204,11 +265,23 @@ namespace emmy
   }
 
   template Roots<2>
+  find_families<2>(const Stencils<2> &,
+                   const NodeValues &,
+                   const BackgroundGrid<2> &,
+                   const unsigned int,
+                   const unsigned int);
+  template Roots<2>
   find_roots<2>(const Stencils<2> &,
                 const NodeValues &,
                 const BackgroundGrid<2> &,
                 const unsigned int,
                 const unsigned int);
+  template Roots<3>
+  find_families<3>(const Stencils<3> &,
+                   const NodeValues &,
+                   const BackgroundGrid<3> &,
+                   const unsigned int,
+                   const unsigned int);
   template Roots<3>
   find_roots<3>(const Stencils<3> &,
                 const NodeValues &,

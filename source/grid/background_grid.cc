@@ -457,11 +457,12 @@ namespace emmy
   template <int dim>
   dealii::Tensor<1, dim>
   BackgroundGrid<dim>::from_node_to_center(const CellKey<dim> &node,
-                                           const CellKey<dim> &cell) const
+                                           const CellKey<dim> &cell,
+                                           const unsigned int  span) const
   {
     dealii::Tensor<1, dim> result;
     for (unsigned int d = 0; d < dim; ++d)
-      result[d] = (int(cell[d]) - int(node[d]) + 0.5) * h[d];
+      result[d] = (int(cell[d]) - int(node[d]) + 0.5 * span) * h[d];
     return result;
   }
 

@@ -66,9 +66,11 @@ namespace emmy
                   starved_nodes,
                   "Nodes that have next to no mass. follow: they follow the "
                   "nearest cell whose nodes all have more, without loss of "
-                  "energy or momentum. free: they move on their own. follow "
-                  "needs implicit steps and Wall mapping = constrained; a file "
-                  "that has neither this entry nor those gets free.",
+                  "energy or momentum. Where particles are as large as cells, "
+                  "with 1 point per direction, nodes move as those of cells "
+                  "twice as large. free: they move on their own. follow needs "
+                  "implicit steps and Wall mapping = constrained; a file that "
+                  "has neither this entry nor those gets free.",
                   prm,
                   Selection("follow|free"));
     add_parameter(

@@ -13,7 +13,7 @@ using namespace emmy;
 
 namespace
 {
-  /** A node, counted in cells, and its roots. */
+  /** A node, counted in cells, and the cells of its roots. */
   template <int dim>
   using Choice = std::map<CellKey<dim>, std::vector<CellKey<dim>>>;
 
@@ -110,13 +110,15 @@ namespace
     std::vector<std::array<unsigned int, 2 * dim>> mine;
     for (const Follower<dim> &follower : aggregates.followers)
       if (grid.nodes()->in_local_range(follower.node_id))
-        for (const CellKey<dim> &root : follower.roots)
+        for (const Root<dim> &root : follower.roots)
           {
             const auto node =
               lattice_of<dim>(grid.node_position(follower.node_id), grid);
             mine.emplace_back();
             std::copy(node.begin(), node.end(), mine.back().begin());
-            std::copy(root.begin(), root.end(), mine.back().begin() + dim);
+            std::copy(root.cell.begin(),
+                      root.cell.end(),
+                      mine.back().begin() + dim);
           }
     Choice<dim> all;
     for (const auto &part :
@@ -262,6 +264,43 @@ namespace
     check_held_classes();
   }
 
+  /** One particle in a cell: nodes follow cells twice as large. */
+  void
+  check_coarse_particles()
+  {
+    using Point = dealii::Point<2>;
+    using Cells = std::vector<CellKey<2>>;
+    Filling<2> coarse({12, 12});
+    coarse.fill(Point(1, 1), Point(6, 6), 1);
+    const auto found = aggregate(coarse, 0.2);
+    const auto roots = choices(found, *coarse.grid);
+    test::check(found.n_followers == 36 - 9 && found.n_kept == 0 &&
+                  found.farthest_root == 1 && found.largest_weight == 2.25,
+                "corners of four families are free: " + found.text());
+    test::check(roots.count({{2, 4}}) == 0 && roots.count({{6, 6}}) == 0,
+                "corners follow nothing");
+    test::check(roots.at({{1, 1}}) == Cells{{{2, 2}}} &&
+                  roots.at({{3, 3}}) == Cells{{{2, 2}}} &&
+                  roots.at({{1, 4}}) == Cells({{{2, 2}}, {{2, 4}}}),
+                "all others follow the nearest, or the mean");
+    for (const auto &follower : found.followers)
+      if (coarse.grid->node_key(follower.node_id) == CellKey<2>{{3, 3}})
+        for (const auto &master : follower.masters)
+          test::check(master.weight == 0.25,
+                      "in the middle of a family: the mean of its corners");
+
+    coarse.fill(Point(6, 1), Point(9, 6), 2);
+    const auto mixed = choices(aggregate(coarse, 0.2), *coarse.grid);
+    test::check(mixed.count({{6, 3}}) == 0 && mixed.count({{8, 3}}) == 0 &&
+                  mixed.at({{5, 3}}) == Cells{{{2, 2}}},
+                "nodes that finer particles reach move on their own");
+
+    Filling<2> strip({12, 12});
+    strip.fill(Point(1, 1), Point(6, 2), 1);
+    test::check(aggregate(strip, 0.2).n_followers == 0,
+                "where no family is near nothing changes");
+  }
+
   template <int dim>
   void
   check_cloud(const test::CloudOptions &options, const std::string &what)
@@ -357,6 +396,7 @@ main(int argc, char *argv[])
 {
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   check_known_cases();
+  check_coarse_particles();
   check_clouds<2>();
   check_clouds<3>();
   return test::report();

@@ -74,6 +74,24 @@ namespace
       }
     test::check_close(all, volume, 1e-13 * volume, "volumes of nodes fill it");
 
+    // the same of blocks of two cells
+    const unsigned int two_cells = 2;
+    const CellKey<dim> block     = block_of<dim>(middle, two_cells);
+    for (const auto &cell : grid.cells_around(middle))
+      {
+        const auto         weights = continued<dim>(block, cell, two_cells);
+        dealii::Point<dim> sum;
+        for (unsigned int v = 0; v < two; ++v)
+          sum += weights[v] * grid.corner(node_of<dim>(block, v, two_cells));
+        test::check(sum.distance(grid.corner(cell)) < 1e-13,
+                    "continued polynomials of a block are linear");
+        const auto center = grid.corner(block) + grid.size_of(block);
+        test::check((grid.from_node_to_center(cell, block, two_cells) -
+                     (center - grid.corner(cell)))
+                        .norm() < 1e-13,
+                    "from a node to the centre of a block");
+      }
+
     // polynomials of a cell, continued to all nodes, give back positions
     for (const auto &cell : grid.cells_around(middle))
       {

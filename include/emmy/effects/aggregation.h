@@ -26,6 +26,10 @@ namespace emmy
   {
     /** 1 for fed nodes, else 0, of all nodes that this rank knows. */
     NodeValues fed;
+    /** 1 for nodes that only particles as large as half a cell reach, else 0;
+     * without elements if there is no such particle on any rank.
+     */
+    NodeValues coarse;
     /** Of all ranks: fed in name, as no cell around has more. */
     std::uint64_t n_kept = 0;
     /** The nodes that were active and this rank owns, and whether they are
@@ -64,7 +68,7 @@ namespace emmy
     };
 
     dealii::types::global_dof_index node_id; ///< the node that follows
-    std::vector<CellKey<dim>>       roots;   ///< cells, sorted
+    std::vector<Root<dim>>          roots;   ///< sorted
     std::vector<Master>             masters; ///< sorted by place
     unsigned int distance = 0; ///< of node and roots, cells, largest component
 
@@ -93,6 +97,8 @@ namespace emmy
     std::vector<Follower<dim>> followers;
     /** Nodes that follow, over all ranks. */
     std::uint64_t n_followers = 0;
+    /** Those of them that follow families, see effects/families.h. */
+    std::uint64_t n_of_families = 0;
     /** Starved nodes that are free: NodeClasses::n_kept, and those of now that
      * no root is near.
      */
@@ -121,6 +127,9 @@ namespace emmy
    * cell count as fed. So each starved node follows a root nearby, or is of the
    * best cell around; a strip does not become the rigid continuation of a cell
    * far away. All this is done in each velocity field for itself.
+   *
+   * Where particles are as large as cells, families of cells are roots and all
+   * nodes but their corners follow, see effects/families.h.
    *
    * Only masses, places and densities decide: neither the direction of the
    * lattice nor the bodies that the mass is of, their order or their names,

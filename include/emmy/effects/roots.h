@@ -26,26 +26,30 @@ namespace emmy
   /** A number for each node that a rank knows. */
   using NodeValues = dealii::LinearAlgebra::distributed::Vector<double>;
 
-  /** An active cell all of whose nodes are fed. */
+  /**
+   * An active cell all of whose nodes are fed, or a family of such cells: the
+   * 2^dim that make up a cell twice as large.
+   */
   template <int dim>
   struct Root
   {
-    CellKey<dim> cell; ///< on the lattice of the grid
+    CellKey<dim> cell; ///< on the lattice of the grid; of a family the lowest
     std::array<dealii::types::global_dof_index,
                BackgroundGrid<dim>::nodes_per_cell>
-      ids; ///< of its nodes, in deal.II's vertex order
+                 ids;      ///< of its corners, in deal.II's vertex order
+    unsigned int span = 1; ///< cells along it: 2 for a family
 
     /** By place. */
     bool
     operator<(const Root &other) const
     {
-      return cell < other.cell;
+      return cell != other.cell ? cell < other.cell : span < other.span;
     }
     /** Same place. */
     bool
     operator==(const Root &other) const
     {
-      return cell == other.cell;
+      return cell == other.cell && span == other.span;
     }
   };
 
@@ -70,6 +74,21 @@ namespace emmy
              const BackgroundGrid<dim> &grid,
              const unsigned int         field,
              const unsigned int         n_layers);
+
+  /**
+   * The families of active cells all of whose nodes are fed, spread over the
+   * layers of cells as find_roots() does. Collective.
+   *
+   * A family is what deal.II makes of one cell by refining it, so that one rank
+   * owns all of it.
+   */
+  template <int dim>
+  Roots<dim>
+  find_families(const Stencils<dim>       &stencils,
+                const NodeValues          &is_fed,
+                const BackgroundGrid<dim> &grid,
+                const unsigned int         field,
+                const unsigned int         n_layers);
 
   /**
    * Of the roots of the cells around a node those whose centres are nearest to

@@ -192,10 +192,14 @@ namespace emmy
     std::vector<CellKey<dim>>
     cells_at_node(const CellKey<dim> &node) const;
 
-    /** From a node to the centre of a cell, m; exact for equal distances. */
+    /**
+     * From a node to the centre of a cell, or of a block of cells as in
+     * node_of(), m; exact for equal distances.
+     */
     dealii::Tensor<1, dim>
     from_node_to_center(const CellKey<dim> &node,
-                        const CellKey<dim> &cell) const;
+                        const CellKey<dim> &cell,
+                        const unsigned int  span = 1) const;
 
     /** int N_A of a node inside the grid, m^dim. */
     double
