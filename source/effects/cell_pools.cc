@@ -9,7 +9,8 @@ namespace emmy
   void
   CellPools<dim>::find(
     const Stencils<dim>                      &stencils,
-    const std::vector<const Material<dim> *> &material_of_body)
+    const std::vector<const Material<dim> *> &material_of_body,
+    const std::vector<bool>                  &is_averaged)
   {
     const std::size_t n = stencils.particles.size();
     pools.clear();
@@ -21,6 +22,7 @@ namespace emmy
       {
         const auto &group    = stencils.groups[g];
         const auto *material = material_of_body[group.body];
+        const bool  is_alone = !is_averaged.empty() && !is_averaged[group.body];
         for (std::size_t p = group.first_point;
              p < group.first_point + group.n_points;
              ++p)
@@ -28,13 +30,16 @@ namespace emmy
             const unsigned int cell = stencils.particles[p]
                                         ->get_surrounding_cell()
                                         ->active_cell_index();
-            const auto [entry, is_new] =
-              pool_of.try_emplace({cell, material}, pools.size());
-            if (is_new)
+            unsigned int index = pools.size();
+            if (!is_alone)
+              index =
+                pool_of.try_emplace({cell, material}, index).first->second;
+            if (index == pools.size())
               pools.emplace_back();
-            Pool &pool = pools[entry->second];
+            Pool &pool    = pools[index];
+            pool.is_alone = is_alone;
             pool.points.push_back(p);
-            pool_of_point[p] = entry->second;
+            pool_of_point[p] = index;
             const bool is_next_of_group =
               pool.points.size() > 1 &&
               group_of_point[pool.points[pool.points.size() - 2]] == g;
@@ -59,9 +64,18 @@ namespace emmy
   void
   CellPools<dim>::add_to(Couplings<dim> &couplings)
   {
+    const Pool *before = nullptr;
     for (Pool &pool : pools)
       {
-        pool.first_coupled = couplings.node_ids.size();
+        // points of a group that are alone have the same nodes
+        const bool is_as_before =
+          before && before->is_alone && pool.is_alone &&
+          group_of_point[before->points[0]] == group_of_point[pool.points[0]];
+        pool.first_coupled =
+          is_as_before ? before->first_coupled : couplings.node_ids.size();
+        before = &pool;
+        if (is_as_before)
+          continue;
         couplings.node_ids.insert(couplings.node_ids.end(),
                                   pool.node_ids.begin(),
                                   pool.node_ids.end());

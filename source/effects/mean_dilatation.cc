@@ -43,13 +43,15 @@ namespace emmy
     std::vector<const Material<dim> *> material_of_body,
     FieldLayout                       &layout,
     const Kind                         kind,
-    std::vector<std::string>           names)
+    std::vector<std::string>           names,
+    std::vector<bool>                  is_averaged)
     : kind(kind)
     , rule(kind)
     , states(material_of_body, std::move(names), layout)
     , volume_ratio_less_one(first_of_treatment(layout))
     , mean_stress(layout.add(mean_stress_field()))
     , material_of_body(std::move(material_of_body))
+    , is_averaged(std::move(is_averaged))
     , work(std::make_unique<Work>())
   {}
 
@@ -85,7 +87,7 @@ namespace emmy
                               const BoundaryConditions<dim> &,
                               Couplings<dim> &couplings)
   {
-    work->cells.find(stencils, material_of_body);
+    work->cells.find(stencils, material_of_body, is_averaged);
     work->cells.add_to(couplings);
   }
 

@@ -328,8 +328,10 @@ namespace emmy
                  theta = 1. + change;
     const EndStress<dim> end(identity<dim>() + H, tau);
     const auto           A = symmetric<dim>(2. * H + transpose(H) * H);
-    const auto           b = mandel::block<dim>(
-      mandel::plus_unit<dim>(batch.left_cauchy_green_less_unit_old[p]));
+    const auto          &elastic_old = batch.is_inelastic
+                                         ? batch.elastic_left_cauchy_green_less_unit_old
+                                         : batch.left_cauchy_green_less_unit_old;
+    const auto   b = mandel::block<dim>(mandel::plus_unit<dim>(elastic_old[p]));
     const auto   Qb = in_plane<dim>(mandel::congruence<dim>(b)); // X -> b X b
     const auto   b_squared = symmetric<dim>(b * b);
     const double unit_unit = unit_in_plane<dim>() * b_squared;
@@ -355,9 +357,6 @@ namespace emmy
     point.S_by_mean           = 0.5 / theta * slope.deviator_by_log;
     point.mean_stress_by_C    = slope.pressure_by_C / theta;
     point.mean_stress_by_mean = mean_by_log / theta;
-    const auto &elastic_old   = batch.is_inelastic
-                                  ? batch.elastic_left_cauchy_green_less_unit_old
-                                  : batch.left_cauchy_green_less_unit_old;
     if (!(nu > smallest_square &&
           nu > smallest_slope * smallest_slope * elastic_old[p].norm_square()))
       return;

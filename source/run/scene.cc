@@ -444,16 +444,16 @@ namespace emmy
                       "has a Lower corner and an Upper corner\n";
       }
     const MethodParameters &method = parameters.method;
-    line("method")
-      << method.shape_functions
-      << (layout.has("half_length") ? " (domains: " + method.domain_update + ")"
-                                    : std::string())
-      << ", " << method.mapping << ", lumping " << mapping.lumping << ", "
-      << (explicit_force ? "explicit steps with the stress at their start"
-                         : method.stress_rule + " stress")
-      << (method.locking_treatment == "cell" ? ", mean dilatation of cells"
-                                             : "")
-      << (middle ? ", geometry in the middle of the step" : "");
+    line("method") << method.shape_functions
+                   << (layout.has("half_length")
+                         ? " (domains: " + method.domain_update + ")"
+                         : std::string())
+                   << ", " << method.mapping << ", lumping " << mapping.lumping
+                   << (explicit_force
+                         ? ", explicit steps with the stress at their start"
+                         : ", " + method.stress_rule + " stress")
+                   << parameters.locking_summary()
+                   << (middle ? ", geometry in the middle of the step" : "");
     if (boundary_conditions.has_walls())
       out << ", " << method.wall_mapping << " walls";
     out << '\n';

@@ -238,7 +238,7 @@ namespace emmy
       bool
       treats_locking() const
       {
-        return parameters.method.locking_treatment == "cell";
+        return !parameters.locking_materials.empty();
       }
 
       void
@@ -323,7 +323,10 @@ namespace emmy
           effects.terms.push_back(std::make_unique<MeanDilatation<dim>>(
             scene.material_of_body,
             layout,
-            MeanDilatation<dim>::Kind::conserving));
+            MeanDilatation<dim>::Kind::conserving,
+            std::vector<std::string>(),
+            this->treats_locking() ? parameters.are_treated(scene.bodies)
+                                   : std::vector<bool>()));
         for (const std::string &name : names)
           parameters.effects.at(name)->add_to(effects, layout);
         const Balance<dim> balance(std::move(effects));

@@ -52,7 +52,8 @@ namespace emmy
         material_of_body,
         layout,
         is_static ? Kind::at_rest : Kind::conserving,
-        names_of_materials(parameters, bodies));
+        names_of_materials(parameters, bodies),
+        parameters.are_treated(bodies));
     }
 
     template <int dim>
@@ -69,7 +70,7 @@ namespace emmy
           effects.name_new(Inertia<dim>::card().name);
         }
       layout.set_effect(internal_force_effect);
-      if (parameters.method.locking_treatment == "cell")
+      if (!parameters.locking_materials.empty())
         {
           effects.terms.push_back(make_mean_dilatation(
             parameters, bodies, effects.material_of_body, layout));

@@ -121,10 +121,11 @@ namespace emmy
                   "Poisson's ratio near 0.5, and in plastic flow. none: "
                   "nothing. cell: in a step the volume of all particles of a "
                   "cell changes alike, without loss of energy or momentum. "
-                  "automatic: cell where a body flows plastically or has a "
-                  "Poisson's ratio above 0.4 (fluids, above 0.4999995, do "
-                  "not ask), unless explicit steps, another <Stress rule> or "
-                  "Domain update = corners have no place for it; else none.",
+                  "automatic: cell for the bodies that flow plastically or "
+                  "have a Poisson's ratio above 0.4 (fluids, above "
+                  "0.4999995, do not ask), unless explicit steps, another "
+                  "<Stress rule> or Domain update = corners have no place "
+                  "for it; none for the others.",
                   prm,
                   Selection("automatic|none|cell"));
     add_parameter("Wall mapping",
@@ -413,42 +414,6 @@ namespace emmy
       choose("Geometry", "start");
     if (is_static)
       choose("Stress rule", "end-point");
-  }
-
-  template <int dim>
-  void
-  SceneParameters<dim>::choose_locking_treatment()
-  {
-    std::string &treatment = method.locking_treatment;
-    if (treatment != "automatic")
-      return;
-    const bool has_place =
-      !time.is_explicit() &&
-      (method.shape_functions != "GIMP" || method.domain_update != "corners") &&
-      (time.is_static() || method.stress_rule == "conserving");
-    bool may_lock = false, has_bodies = false;
-    for (unsigned int m = 0; m < materials.size(); ++m)
-      {
-        const auto is_of = [&](const auto &body) {
-          return body->material == material_names.names[m];
-        };
-        const bool flows =
-          !material_library<dim>()
-             .find(materials[m]->model_name(), materials[m]->path(), "Model")
-             .card.fields.empty();
-        if (std::none_of(bodies.begin(), bodies.end(), is_of))
-          continue;
-        has_bodies = true;
-        may_lock |= flows || materials[m]->is_nearly_incompressible();
-      }
-    if (!has_bodies) // no scene, but the reference
-      return;
-    treatment = has_place && may_lock ? "cell" : "none";
-    // the parameters that a run writes say what it does
-    auto &prm = dealii::ParameterAcceptor::prm;
-    prm.enter_subsection("Method");
-    prm.set("Locking treatment", treatment);
-    prm.leave_subsection();
   }
 
   template <int dim>

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <random>
 
 #include "../scene.h"
@@ -163,8 +164,63 @@ namespace
 
   // ------------------------------------------------------------------------
 
-  /** q/s_u from 4 % of b on: first and last. */
-  std::array<double, 2>
+  /**
+   * How much the mean pressures of two cells differ that touch, both with three
+   * particles or more and farther than 0.4 m from the edge of the footing,
+   * where the pressure jumps: the largest difference over Prandtl's q, and the
+   * share of pairs where it is less than a fifth of the larger pressure.
+   */
+  struct Jumps
+  {
+    double largest = 0., share = 0.;
+  };
+
+  Jumps
+  jumps_of_pressure(const test::RunningScene<2> &run, const double h)
+  {
+    using Cell = std::pair<int, int>;
+    std::map<Cell, std::vector<double>> cells;
+    const ParticleFields<2>             fields(run.scene.layout);
+    const auto                          pressure =
+      fields.find({"pressure"}, "Output", "Particle fields").front();
+    for (const auto &particle : run.scene.particles)
+      {
+        const auto &x = particle.get_location();
+        pressure.append(particle, cells[{int(x[0] / h), int(x[1] / h)}]);
+      }
+    const auto counts = [&](const Cell &cell) {
+      const Point<2> centre((cell.first + 0.5) * h, (cell.second + 0.5) * h);
+      return cells.count(cell) && cells[cell].size() >= 3 &&
+             centre.distance(Point<2>(1., 3.)) > 0.4;
+    };
+    const auto mean = [&](const Cell &cell) {
+      const auto &values = cells[cell];
+      return std::accumulate(values.begin(), values.end(), 0.) / values.size();
+    };
+    std::vector<Cell> all;
+    for (const auto &entry : cells)
+      all.push_back(entry.first);
+    Jumps        result;
+    unsigned int n = 0, n_small = 0;
+    for (const Cell &cell : all)
+      for (const Cell &next : {Cell(cell.first + 1, cell.second),
+                               Cell(cell.first, cell.second + 1)})
+        if (counts(cell) && counts(next))
+          {
+            const double a = mean(cell), b = mean(next);
+            const double jump = std::abs(a - b);
+            result.largest =
+              std::max(result.largest,
+                       jump / (1e3 * (2. + dealii::numbers::PI)));
+            ++n;
+            n_small += jump < 0.2 * std::max(std::abs(a), std::abs(b));
+          }
+    result.share = double(n_small) / n;
+    return result;
+  }
+
+  /** q/s_u from 4 % of b on: first and last; and jumps of pressure. */
+  std::pair<std::array<double, 2>, Jumps>
   footing(const std::string &method, const unsigned int refinement)
   {
     const SceneParameters<2> parameters(
@@ -186,22 +242,31 @@ namespace
               << ": q/s_u " << result[0] << " and " << result[1] << ", "
               << iterations(run) << " iterations a step\n";
     check_balance(run, "reaction_work");
-    return result;
+    const Jumps jumps = jumps_of_pressure(run, 0.25 / refinement);
+    std::cout << "  pressures of neighbouring cells: " << 100. * jumps.share
+              << " % of pairs differ by less than a fifth, all by less than "
+              << jumps.largest << " of q\n";
+    return {result, jumps};
   }
 
   void
   check_footing(const bool all)
   {
     const auto with = footing("cell", 1), without = footing("none", 1);
-    at_most("  off 5.4", std::abs(with[1] - 5.4), 0.15);
-    at_most("  rise", with[1] - with[0], 0.05);
-    at_most("  not more than without", 6.3 - without[1], 0.);
+    at_most("  off 5.4", std::abs(with.first[1] - 5.4), 0.15);
+    at_most("  rise", with.first[1] - with.first[0], 0.05);
+    at_most("  not more than without", 6.3 - without.first[1], 0.);
     if (all)
       {
         const auto fine = footing("cell", 2);
         at_most("  off Prandtl's 2 + pi",
-                std::abs(fine[1] / (2. + dealii::numbers::PI) - 1.),
+                std::abs(fine.first[1] / (2. + dealii::numbers::PI) - 1.),
                 0.03);
+        at_most("  jumps of pressure over q", fine.second.largest, 0.2);
+        at_most("  pairs that differ more", 1. - fine.second.share, 0.02);
+        at_most("  without treatment less",
+                0.5 - footing("none", 2).second.largest,
+                0.);
       }
   }
 

@@ -10,9 +10,10 @@ namespace emmy
   /**
    * The points of this rank by the cell that holds their particle and by
    * material, whatever their body: bodies of one material that touch are as
-   * one. The cell is that of the start of the step, wherever shape functions
-   * see the point; it is on the rank of the particle, so no pool has points of
-   * two ranks. For MeanDilatation. Cost: a search per point.
+   * one. Points of a body that is not averaged stand alone. The cell is that of
+   * the start of the step, wherever shape functions see the point; it is on the
+   * rank of the particle, so no pool has points of two ranks. For
+   * MeanDilatation. Cost: a search per point.
    */
   template <int dim>
   struct CellPools
@@ -33,6 +34,8 @@ namespace emmy
       std::vector<dealii::types::global_dof_index> node_ids;
       /** Where they stand in Couplings::node_ids. */
       std::size_t first_coupled = 0;
+      /** Whether this is one point of a body that is not averaged. */
+      bool is_alone = false;
     };
 
     /** In the order of the points, which does not depend on the window. */
@@ -48,12 +51,16 @@ namespace emmy
       return pools[pool_of_point[p]];
     }
 
-    /** Find them anew: once a step. */
+    /**
+     * Find them anew: once a step.
+     * @param is_averaged one per body; empty: all are
+     */
     void
     find(const Stencils<dim>                      &stencils,
-         const std::vector<const Material<dim> *> &material_of_body);
+         const std::vector<const Material<dim> *> &material_of_body,
+         const std::vector<bool>                  &is_averaged = {});
 
-    /** All nodes of a pool meet. */
+    /** All nodes of a pool meet. Those of points that are alone do anyway. */
     void
     add_to(Couplings<dim> &couplings);
   };

@@ -50,11 +50,16 @@ namespace emmy
     /** Which stress it averages. */
     using Kind = typename MeanDilatationStress<dim>::Kind;
 
-    /** As those of InternalForce. */
+    /**
+     * As those of InternalForce.
+     * @param is_averaged one per body; the points of others keep their own
+     *   volumes. Empty: all are.
+     */
     MeanDilatation(std::vector<const Material<dim> *> material_of_body,
                    FieldLayout                       &layout,
                    const Kind                         kind,
-                   std::vector<std::string>           names = {});
+                   std::vector<std::string>           names       = {},
+                   std::vector<bool>                  is_averaged = {});
 
     /** What `emmy --check` says of it. */
     static EffectCard
@@ -139,6 +144,7 @@ namespace emmy
     const StressStates<dim>                  states;
     const unsigned int                       volume_ratio_less_one, mean_stress;
     const std::vector<const Material<dim> *> material_of_body;
+    const std::vector<bool>                  is_averaged; // by body, or none
     const std::unique_ptr<Work>              work;
   };
 } // namespace emmy

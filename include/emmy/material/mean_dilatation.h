@@ -62,7 +62,7 @@ namespace emmy
    * with a tensor D(C). Derivation: doc/locking.md.
    *
    * conserving: with p = tr tau/3, A = Delta F^T Delta F - I and the metric
-   * <X, Y> = X : b_t Y b_t,
+   * <X, Y> = X : b^e_t Y b^e_t, in which the flow of before has no part,
    * @f[ \bar S = \tfrac12(\mathrm{dev}\,\tau_t +
    *       \Delta F^{-1}\mathrm{dev}\,\tau\,\Delta F^{-T}),\quad
    *     \bar\Pi = \tfrac12(p_t + p/\theta),\quad
@@ -70,7 +70,7 @@ namespace emmy
    * @f[ A_d = A - I\,\frac{\langle I,A\rangle}{\langle I,I\rangle},\quad
    *     \kappa = \tfrac49\langle I,I\rangle,\quad
    *     \nu = \langle A_d,A_d\rangle + \kappa(\theta-1)^2,\quad
-   *     S' = \bar S + \tfrac\eta\nu\, b_t A_d b_t,\quad
+   *     S' = \bar S + \tfrac\eta\nu\, b^e_t A_d b^e_t,\quad
    *     \Pi = \bar\Pi + \tfrac{\kappa\eta}{2\nu}(\theta-1), @f]
    * @f[ P_c = \frac1{V_c}\sum_q V^0_q \Pi_q,\qquad
    *     S = S' + 2\,\frac{V}{V^0}\,P_c\,D,\qquad P = \tfrac12(I+\Delta F)S, @f]

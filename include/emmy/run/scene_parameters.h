@@ -167,12 +167,21 @@ namespace emmy
     /** Why starved nodes are free although the file does not say so; or empty.
      */
     std::string why_free;
+    /** The materials that Locking treatment is for; none: there is none. */
+    std::vector<std::string> locking_materials;
+
+    /** Whether it is for each of these bodies. */
+    std::vector<bool>
+    are_treated(const std::vector<Body<dim>> &of_scene) const;
+    /** What the head of a run says of it, behind other methods. */
+    std::string
+    locking_summary() const;
 
   private:
     /** <Starved nodes> and <Geometry> in a file that does not name them. */
     void
     choose_method(const ParameterFile &file);
-    /** What Locking treatment = automatic is in this scene. */
+    /** For which materials Locking treatment = automatic is. */
     void
     choose_locking_treatment();
   };
