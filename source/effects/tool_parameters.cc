@@ -70,6 +70,20 @@ namespace emmy
   }
 
   template <int dim>
+  std::unique_ptr<ToolShape<dim>>
+  ToolParameters<dim>::make_shape() const
+  {
+    return shape->make();
+  }
+
+  template <int dim>
+  ToolMotion<dim>
+  ToolParameters<dim>::make_motion() const
+  {
+    return ToolMotion<dim>(motion, *this);
+  }
+
+  template <int dim>
   double
   ToolParameters<dim>::stiffness_meant() const
   {
@@ -142,8 +156,8 @@ namespace emmy
     for (const Field &field : fields())
       first = std::min(first, layout.add(field));
     return {name,
-            shape->make(),
-            ToolMotion<dim>(motion, *this),
+            make_shape(),
+            make_motion(),
             stiffness_meant(),
             friction,
             spring_stiffness,

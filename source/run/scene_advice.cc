@@ -5,6 +5,7 @@
 #include <emmy/effects/field_load.h>
 #include <emmy/effects/starved_nodes.h>
 #include <emmy/run/scene_advice.h>
+#include <emmy/run/tool_advice.h>
 
 #include <algorithm>
 #include <cmath>
@@ -326,6 +327,7 @@ namespace emmy
              "round-off decides to which cell they belong. Shift the grid or "
              "the body by a part of a cell, or take other Points per "
              "direction\n";
+    tell_tools(scene, parameters, out);
     tell_cheaper(parameters, counts, initial, out);
   }
 

@@ -39,6 +39,19 @@ namespace emmy
       return push.is_given();
     }
 
+    /** Whether it keeps hold of what it touches at the start. */
+    bool
+    is_holding() const
+    {
+      return holds;
+    }
+    /** What it looks like; throws ExcParameter. */
+    std::unique_ptr<ToolShape<dim>>
+    make_shape() const;
+    /** How it is told to move; throws ExcParameter. */
+    ToolMotion<dim>
+    make_motion() const;
+
     const std::string name; ///< as in `Names`
 
   private:
@@ -89,6 +102,13 @@ namespace emmy
     card();
     EffectCard
     card_in_scene(const EffectCard &of_library) const override;
+
+    /** In the order of their names. */
+    const std::vector<std::unique_ptr<ToolParameters<dim>>> &
+    given() const
+    {
+      return tools;
+    }
 
   private:
     std::vector<std::string>                          names;
