@@ -1,6 +1,7 @@
 #ifndef emmy_effects_tool_parameters_h
 #define emmy_effects_tool_parameters_h
 
+#include <emmy/effects/advice.h>
 #include <emmy/effects/tools.h>
 
 namespace emmy
@@ -72,7 +73,7 @@ namespace emmy
 
   /** Section `Effects/Tools`. */
   template <int dim>
-  class ToolsParameters : public EffectParameters<dim>
+  class ToolsParameters : public EffectParameters<dim>, public Adviser<dim>
   {
   public:
     /** Declares the tools that `Names` lists. */
@@ -103,12 +104,14 @@ namespace emmy
     EffectCard
     card_in_scene(const EffectCard &of_library) const override;
 
-    /** In the order of their names. */
-    const std::vector<std::unique_ptr<ToolParameters<dim>>> &
-    given() const
-    {
-      return tools;
-    }
+    /**
+     * Which tools touch no particle in the whole run, and which are outside of
+     * the grid from some time on, as far as that can be known beforehand. Of a
+     * tool that a force pushes nothing is said, and of one that rests nothing
+     * if something else may move bodies. Cost: see ToolPath.
+     */
+    std::vector<std::string>
+    advice(const BeforeTheRun<dim> &run) const override;
 
   private:
     std::vector<std::string>                          names;
