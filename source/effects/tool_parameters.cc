@@ -88,8 +88,9 @@ namespace emmy
   ToolParameters<dim>::stiffness_meant() const
   {
     constexpr double of_plates = 100., of_others = 10.;
-    const bool       moves =
-      !motion.displacement.empty() || !motion.displacement_table.empty();
+    const bool       moves = !motion.displacement.empty() ||
+                       !motion.displacement_table.empty() ||
+                       !motion.velocity_table.empty();
     const bool presses =
       shape_name == "plane" && friction == 0. && moves && !holds;
     return stiffness > 0. ? stiffness : presses ? of_plates : of_others;
