@@ -467,7 +467,8 @@ namespace
           told += finding;
       }
     check(sinking.ledger["tool_plate_sinking"] > 0.05 &&
-            told.find("sink into a tool by up to") != std::string::npos,
+            told.find("sink into the tool <plate> by up to") !=
+              std::string::npos,
           "what sinks in is told: " + told);
   }
 } // namespace
