@@ -12,9 +12,8 @@
 #           cells and steps of half the size half as many particles meet
 # Two runs of different length are subtracted, so that the start does not count.
 # Counts need no quiet machine. Fails if a step with the tool costs more than 15 %
-# more, or one of pairs more than it did when this was written: it is in
-# proportion to the particles that meet, and at 3 % of them it is 15 %. Takes four
-# minutes.
+# more, or one of pairs more than it did when this was written: its cost is that
+# of the particles that meet. Takes six minutes.
 #
 #   tests/performance/contact_cost.sh [BUILD_FOLDER]      default: build
 #
