@@ -44,7 +44,7 @@ count 'wall mapping' 'wall.?mapping|(inelastic|unconstrained).?wall|wall_loss' \
 # the library, the remedy for a side that moves along its normal, the parameters
 # of sides that only push
 count 'tools' 'effects/tool|<tools>|"tools"|tool_work' \
-  'tools|tool_contact|tool_mesh|tool_motion|tool_parameters|tool_push|tool_records|tool_shapes|tool_sides|tool_surface' 3
+  'tools|tool_advice|tool_contact|tool_mesh|tool_motion|tool_parameters|tool_path|tool_push|tool_records|tool_shapes|tool_sides|tool_surface' 3
 # the library
 count 'contact' 'effects/(body_)?contact|BodyContact|contact_overlap' \
   'body_contact|contact_exchange|contact_forces|contact_pair|contact_parameters|contact_search' 1

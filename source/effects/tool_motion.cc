@@ -56,6 +56,12 @@ namespace emmy
                           "with straight lines between them and constant "
                           "beyond the ends: 0: 0, 0; 5: 0, -0.25. Units: s, "
                           "m. Empty: <Displacement> is used.");
+    section.add_parameter("Velocity table",
+                          velocity_table,
+                          "The velocity of the reference point as times with "
+                          "components, likewise: 0: 0, 0; 1: 0, -0.1. How far "
+                          "it has moved is its integral, exactly. Units: s, "
+                          "m/s. Empty: the displacement is given.");
     section.add_parameter("Rotation",
                           rotation,
                           "The angle that it has turned by, about the "
@@ -73,13 +79,15 @@ namespace emmy
   {
     template <int dim>
     std::vector<std::pair<double, Tensor<1, dim>>>
-    read_table(const std::string &text, const std::string &section)
+    read_table(const std::string &text,
+               const std::string &entry,
+               const std::string &section)
     {
       using namespace dealii::Utilities;
       const auto require = [&](const bool fact, const std::string &what) {
         AssertThrow(fact,
                     ExcParameter(section,
-                                 "Displacement table",
+                                 entry,
                                  text,
                                  what +
                                    " Write <time: components> separated "
@@ -134,15 +142,28 @@ namespace emmy
                                " coordinates in m, separated by ,."));
     for (unsigned int d = 0; d < dim; ++d)
       reference_point[d] = point[d];
-    if (!trim(parameters.displacement_table).empty())
+    const bool has_table      = !trim(parameters.displacement_table).empty();
+    const bool has_velocities = !trim(parameters.velocity_table).empty();
+    if (has_table || has_velocities)
       {
+        const char *entry = has_table ? "Displacement table" : "Velocity table";
         AssertThrow(trim(parameters.displacement).empty(),
                     ExcParameter(section,
                                  "Displacement",
                                  parameters.displacement,
+                                 std::string("<") + entry +
+                                   "> is given too. Remove one of them."));
+        AssertThrow(!has_table || !has_velocities,
+                    ExcParameter(section,
+                                 "Velocity table",
+                                 parameters.velocity_table,
                                  "<Displacement table> is given too. Remove "
                                  "one of them."));
-        table = read_table<dim>(parameters.displacement_table, section);
+        (has_table ? table : velocities) =
+          read_table<dim>(has_table ? parameters.displacement_table
+                                    : parameters.velocity_table,
+                          entry,
+                          section);
       }
     else if (!trim(parameters.displacement).empty())
       formulas.push_back(read_formulas<1>(
@@ -194,16 +215,44 @@ namespace emmy
         result[d] = checked(formulas[0]->value(dealii::Point<1>(time), d),
                             "Displacement",
                             time);
+    if (!velocities.empty())
+      return travel(time) - travel(0.);
     if (table.empty())
       return result;
-    std::size_t next = 0;
-    while (next < table.size() && table[next].first <= time)
-      ++next;
-    if (next == 0 || next == table.size())
-      return table[next == 0 ? 0 : next - 1].second;
-    const auto &[begin, from] = table[next - 1];
-    const auto &[end, to]     = table[next];
+    const std::size_t row = row_at(table, time);
+    if (time <= table[row].first || row + 1 == table.size())
+      return table[row].second;
+    const auto &[begin, from] = table[row];
+    const auto &[end, to]     = table[row + 1];
     return from + (time - begin) / (end - begin) * (to - from);
+  }
+
+  template <int dim>
+  std::size_t
+  ToolMotion<dim>::row_at(const std::vector<Row> &table, const double time)
+  {
+    std::size_t row = 0;
+    while (row + 1 < table.size() && table[row + 1].first <= time)
+      ++row;
+    return row;
+  }
+
+  template <int dim>
+  Tensor<1, dim>
+  ToolMotion<dim>::travel(const double time) const
+  {
+    Tensor<1, dim>    sum;
+    const std::size_t row = row_at(velocities, time);
+    for (std::size_t i = 0; i < row; ++i)
+      sum += 0.5 * (velocities[i + 1].first - velocities[i].first) *
+             (velocities[i].second + velocities[i + 1].second);
+    const auto &[begin, from] = velocities[row];
+    const double since        = time - begin;
+    sum += since * from; // constant beyond the ends
+    if (since <= 0. || row + 1 == velocities.size())
+      return sum;
+    const auto &[end, to] = velocities[row + 1];
+    return sum + 0.5 * since * since / (end - begin) * (to - from);
   }
 
   template <int dim>

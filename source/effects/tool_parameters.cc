@@ -70,12 +70,27 @@ namespace emmy
   }
 
   template <int dim>
+  std::unique_ptr<ToolShape<dim>>
+  ToolParameters<dim>::make_shape() const
+  {
+    return shape->make();
+  }
+
+  template <int dim>
+  ToolMotion<dim>
+  ToolParameters<dim>::make_motion() const
+  {
+    return ToolMotion<dim>(motion, *this);
+  }
+
+  template <int dim>
   double
   ToolParameters<dim>::stiffness_meant() const
   {
     constexpr double of_plates = 100., of_others = 10.;
-    const bool       moves =
-      !motion.displacement.empty() || !motion.displacement_table.empty();
+    const bool       moves = !motion.displacement.empty() ||
+                       !motion.displacement_table.empty() ||
+                       !motion.velocity_table.empty();
     const bool presses =
       shape_name == "plane" && friction == 0. && moves && !holds;
     return stiffness > 0. ? stiffness : presses ? of_plates : of_others;
@@ -142,8 +157,8 @@ namespace emmy
     for (const Field &field : fields())
       first = std::min(first, layout.add(field));
     return {name,
-            shape->make(),
-            ToolMotion<dim>(motion, *this),
+            make_shape(),
+            make_motion(),
             stiffness_meant(),
             friction,
             spring_stiffness,

@@ -285,8 +285,13 @@ namespace emmy
       dealii::Utilities::MPI::max(found.deepest, *found.communicator);
     if (deepest <= std::max(deep, 2. * told_depth))
       return "";
-    told_depth = deepest;
-    return "particles sink into a tool by up to " + brief(deepest) +
+    told_depth                   = deepest;
+    std::vector<double> of_tools = found.sunk_in;
+    dealii::Utilities::MPI::max(of_tools, *found.communicator, of_tools);
+    const auto most = std::max_element(of_tools.begin(), of_tools.end());
+    return "particles sink into the tool <" +
+           tools[most - of_tools.begin()].name + "> by up to " +
+           brief(deepest) +
            " of their spacing; a larger <Stiffness> of the tool, or smaller "
            "steps, let them sink in less";
   }

@@ -49,7 +49,8 @@ namespace emmy
                                  "Names",
                                  name,
                                  "the ledger would have two columns of this "
-                                 "name. Rename the measurement."));
+                                 "name. Rename the measurement, or the tool or "
+                                 "body that has it."));
       return names;
     }
   } // namespace

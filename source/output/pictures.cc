@@ -288,12 +288,14 @@ namespace emmy
     // The cells that any snapshot touches, and some air around it.
     for (unsigned int d = 0; d < particles.dim; ++d)
       {
-        const double h       = particles.line_distance[d];
-        const bool   is_any  = lowest[d] <= highest[d];
-        const double from    = is_any ? lowest[d] : grid_lower[d];
-        const double to      = is_any ? highest[d] : grid_upper[d];
-        const double margin  = std::max(0.04 * (to - from), 0.1 * h);
-        const auto   on_line = [&](const double x) {
+        const double h      = particles.line_distance[d];
+        const bool   is_any = lowest[d] <= highest[d];
+        const double from   = is_any ? lowest[d] : grid_lower[d];
+        const double to     = is_any ? highest[d] : grid_upper[d];
+        // discs reach beyond their middles
+        const double margin =
+          std::max({0.04 * (to - from), 0.1 * h, 0.55 * particles.spacing});
+        const auto on_line = [&](const double x) {
           return std::clamp(grid_lower[d] + h * x,
                             grid_lower[d],
                             grid_upper[d]);

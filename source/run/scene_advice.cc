@@ -2,6 +2,7 @@
 #include <deal.II/base/utilities.h>
 
 #include <emmy/base/text.h>
+#include <emmy/effects/advice.h>
 #include <emmy/effects/field_load.h>
 #include <emmy/effects/starved_nodes.h>
 #include <emmy/run/scene_advice.h>
@@ -100,6 +101,20 @@ namespace emmy
         }
     }
 
+    /** Of all bodies alike, m/s^2. */
+    template <int dim>
+    dealii::Tensor<1, dim>
+    acceleration(const SceneParameters<dim> &parameters)
+    {
+      dealii::Tensor<1, dim> g;
+      for (const std::string &name : parameters.effect_names.names)
+        if (const auto *uniform =
+              dynamic_cast<const UniformAcceleration<dim> *>(
+                parameters.effects.at(name).get()))
+          g += uniform->vector();
+      return g;
+    }
+
     /** Bodies that their own weight would crush. */
     template <int dim>
     void
@@ -107,13 +122,8 @@ namespace emmy
                  const SceneParameters<dim> &parameters,
                  std::ostream               &out)
     {
-      constexpr double       largest_strain = 0.2;
-      dealii::Tensor<1, dim> g;
-      for (const std::string &name : parameters.effect_names.names)
-        if (const auto *uniform =
-              dynamic_cast<const UniformAcceleration<dim> *>(
-                parameters.effects.at(name).get()))
-          g += uniform->vector();
+      constexpr double             largest_strain = 0.2;
+      const dealii::Tensor<1, dim> g              = acceleration(parameters);
       for (unsigned int b = 0; b < scene.bodies.size(); ++b)
         {
           if (!scene.material_of_body[b]->parameters().empty())
@@ -234,6 +244,72 @@ namespace emmy
       return result;
     }
 
+    /** What is known beforehand. Collective. */
+    template <int dim>
+    BeforeTheRun<dim>
+    before_the_run(const Scene<dim>           &scene,
+                   const SceneParameters<dim> &parameters)
+    {
+      BeforeTheRun<dim>                   run{{},
+                            scene.grid.lower_corner(),
+                            scene.grid.upper_corner(),
+                            parameters.time.end_time,
+                            0.,
+                            scene.balance.gives_motion() ||
+                              !scene.started.path.empty(),
+                            scene.grid.communicator()};
+      std::vector<dealii::Tensor<1, dim>> half;
+      for (const Body<dim> &body : scene.bodies)
+        half.push_back(initial_half_length(body, scene.grid));
+      const unsigned int body = scene.layout["body"],
+                         v    = scene.layout["velocity"];
+      double fastest          = 0.;
+      for (const auto &particle : scene.particles)
+        {
+          const auto             properties = particle.get_properties();
+          const auto            &l          = half[properties[body]];
+          dealii::Tensor<1, dim> velocity;
+          for (unsigned int d = 0; d < dim; ++d)
+            velocity[d] = properties[v + d];
+          fastest = std::max(fastest, velocity.norm());
+          for (unsigned int corner = 0; corner < (1u << dim); ++corner)
+            {
+              run.corners.push_back(particle.get_location());
+              for (unsigned int d = 0; d < dim; ++d)
+                run.corners.back()[d] += corner >> d & 1 ? l[d] : -l[d];
+            }
+        }
+      run.flight =
+        run.end_time * (dealii::Utilities::MPI::max(fastest, run.communicator) +
+                        0.5 * acceleration(parameters).norm() * run.end_time);
+      return run;
+    }
+
+    /** What effects have to say of the scene. Collective. */
+    template <int dim>
+    void
+    tell_advice(const Scene<dim>           &scene,
+                const SceneParameters<dim> &parameters,
+                std::ostream               &out)
+    {
+      const auto &names = parameters.effect_names.names;
+      for (const std::string &name : names)
+        {
+          const auto *adviser = dynamic_cast<const Adviser<dim> *>(
+            parameters.effects.at(name).get());
+          if (!adviser)
+            continue;
+          BeforeTheRun<dim> run = before_the_run(scene, parameters);
+          for (const std::string &other : names)
+            run.is_moved_otherwise =
+              run.is_moved_otherwise ||
+              (other != name && !dynamic_cast<const UniformAcceleration<dim> *>(
+                                  parameters.effects.at(other).get()));
+          for (const std::string &note : adviser->advice(run))
+            out << "  note: " << note << '\n';
+        }
+    }
+
     /** How many nodes starve at the start, and where one is. Collective. */
     template <int dim>
     void
@@ -326,6 +402,7 @@ namespace emmy
              "round-off decides to which cell they belong. Shift the grid or "
              "the body by a part of a cell, or take other Points per "
              "direction\n";
+    tell_advice(scene, parameters, out);
     tell_cheaper(parameters, counts, initial, out);
   }
 

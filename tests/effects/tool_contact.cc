@@ -375,6 +375,22 @@ namespace
     at_most("table of displacements",
             std::abs(tabled[0] - 1.) + std::abs(tabled[1] - 1.),
             1e-15);
+    // v is 1 m/s until 1 s, grows to 3 until 3 s, and stays; across it to 2
+    parameters.displacement_table = "";
+    parameters.velocity_table =
+      dim == 2 ? "1: 1, 0; 3: 3, 2" : "1: 1, 0, 0; 3: 3, 2, 0";
+    const ToolMotion<dim> by_velocity(parameters, section);
+    double                off = 0.;
+    for (const auto &[time, x, y] : {std::array<double, 3>{{0., 0., 0.}},
+                                     {{0.5, 0.5, 0.}},
+                                     {{2., 2.5, 0.5}},
+                                     {{3., 5., 2.}},
+                                     {{4., 8., 4.}}})
+      {
+        const auto way = by_velocity.place(time) - motion.place(0.);
+        off = std::max({off, std::abs(way[0] - x), std::abs(way[1] - y)});
+      }
+    at_most("table of velocities", off, 1e-14); // of 8 m
   }
 } // namespace
 

@@ -249,6 +249,11 @@ namespace
             {"it/Force", "Write a formula in t"});
     refused(tool(plane + "set Displacement = t\n"),
             {"it/Displacement", "Write 2 components"});
+    refused(tool(plane + "set Velocity table = 0: 0, 0; 1\n"),
+            {"it/Velocity table", "cannot be read"});
+    refused(tool(plane +
+                 "set Velocity table = 0: 0, 0\nset Displacement = t; 0\n"),
+            {"it/Displacement", "<Velocity table> is given too"});
     refused(tool(plane + "set Displacement table = 0: 0, 0; 0: 1, 1\n"),
             {"it/Displacement table", "two places at a time"});
     refused(tool("set Shape = box\nset Reference point = 0, 2\nsubsection box\n"

@@ -84,5 +84,28 @@ lacks 'reach into another body' "$work/two.prm" --set "Bodies/box/Shape=box(1.5,
 has 'with one particle in a cell' "$work/two.prm" \
   --set "Bodies/disc/Points per direction=1" --set "Bodies/box/Points per direction=1"
 lacks 'with one particle in a cell' "$work/two.prm"
+# tools that touch nothing as they are told to move; where each may touch, no word
+examples=$source/prm/examples
+for scene in bounce hammer punch ring sled; do
+  lacks 'note: tool <' "$examples/$scene.prm"
+done
+press=$examples/press.prm
+# the plate ends 0.15 m above the cube; 50 instants of 5 mm: less 2.5 mm at most
+has 'tool <plate> comes no nearer than 0.1475 m' "$press" --set "Effects/Tools/plate/Reference point=0.5,1.4"
+lacks 'note: tool <' "$press" --set "Effects/Tools/plate/Reference point=0.5,1.2"
+# a ball beside the cube as it goes down; of one that a force pushes, nothing
+sed 's/= plane/= ball/; s/subsection plane/subsection ball/; s/set Normal.*/set Radius = 0.05/' "$press" >"$work/ball.prm"
+has 'tool <plate> comes no nearer than 0.0975 m' "$work/ball.prm" --set "Effects/Tools/plate/Reference point=1.15,0.7"
+lacks 'note: tool <' "$work/ball.prm"
+lacks 'tool <plate> comes' "$press" --set "Effects/Tools/plate/Reference point=0.5,1.4" \
+  --set "Effects/Tools/plate/Pushed along=0, -1" --set "Effects/Tools/plate/Mass=1" \
+  --set "Effects/Tools/plate/Force=1" --set "Effects/Tools/plate/Displacement="
+# the grid ends at 1.25 m
+has 'tool <plate> is outside of the grid from about t = 0.12 s on' "$press" --set "Effects/Tools/plate/Displacement=0; 2.5*t"
+has 'tool <plate> is outside of the grid all the time' "$press" --set "Effects/Tools/plate/Reference point=0.5,2"
+# falls by 0.2 m in the run, and starts 0.2 m above the floor: it meets one, not the other
+has 'tool <floor> comes no nearer' "$examples/sled.prm" --set "Effects/Tools/floor/Reference point=0, 0.05" \
+  --set "Time/End time=0.1" --set "Bodies/sled/Initial velocity=0; 0"
+lacks 'tool <floor> comes no nearer' "$examples/sled.prm" --set "Effects/Tools/floor/Reference point=0, 0.05"
 echo "$n checks"
 exit $failed

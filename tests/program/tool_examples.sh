@@ -104,6 +104,19 @@ sneddon()
 }
 ran cone
 echo "cone, by the theory: $(sneddon 1) N, on a half-space $(sneddon 0) N"
+# how the force comes to that: the radius of contact grows from nothing
+awk -F, 'NR == 1 { for (i = 1; i <= NF; ++i) c[$i] = i; next }
+  { z = $c["tool_cone_z"]
+    if (NR == 2) start = z
+    else {
+      E = 1e4; nu = 0.3; pi = atan2(0, -1); h = 0.125
+      tangent = sin(pi * 75 / 180) / cos(pi * 75 / 180)
+      F = 2 / pi * E / (1 - nu ^ 2) * tangent
+      share = (1 + nu) * (3 - 2 * nu) / (2 * pi * E) * F
+      d = (1 - sqrt(1 - 4 * share * (start - (z + before) / 2))) / (2 * share)
+      printf "cone, radius of contact %.2f cells: %.2f of the theory\n",
+        2 / pi * d * tangent / h, $c["tool_cone_force_z"] / (F * d ^ 2 / 4) }
+    before = z }' cone/ledger.csv
 near "cone, force" "$(value cone 'last("tool_cone_force_z")')" "$(sneddon 1)" 0.03
 closes cone "$(value cone 'most("tool_cone_work")')"
 

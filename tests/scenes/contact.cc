@@ -5,6 +5,9 @@
 #include "../check.h"
 #include "../scene.h"
 
+#include <iomanip>
+#include <iostream>
+
 using namespace emmy;
 using test::at_most;
 using test::check;
@@ -176,6 +179,19 @@ namespace
                   std::abs(run.ledger["strain_energy"] - head_on.strain),
                   1e-6);
       }
+    // beside them
+    Pair                     by_default;
+    const SceneParameters<2> parameters(
+      ParameterFile::from_text(by_default.text(), "by default"));
+    RunningScene<2> run(parameters);
+    run.advance(60);
+    check_balances(run, "head-on, by default");
+    std::cout << std::setprecision(8) << "head-on, by default: speed "
+              << speed_of(run.scene, 0)[0] << " m/s, kinetic energy "
+              << run.ledger["kinetic_energy"] << " J, strain energy "
+              << run.ledger["strain_energy"]
+              << " J; of the prototype, narrow -0.9833960426, 0.9826234416, "
+                 "0.01737655841, wide -0.9930096728\n";
   }
 
   /** What a block that slides over a smooth bed loses or wins of 1 m/s. */

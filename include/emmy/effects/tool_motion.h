@@ -53,8 +53,9 @@ namespace emmy
   {
     /** m; in 3D the direction of the axis. */
     std::vector<double> reference_point, axis;
-    /** Formulas, a file, and a formula, of t. */
-    std::string displacement, displacement_table, rotation = "0";
+    /** Formulas, tables, and a formula, of t. */
+    std::string displacement, displacement_table, velocity_table,
+      rotation = "0";
 
     /** Adds its entries to a section. */
     void
@@ -104,6 +105,12 @@ namespace emmy
 
     dealii::Tensor<1, dim>
     path(const double time) const;
+    /** The row between which and the next one a time is; 0 before the first. */
+    static std::size_t
+    row_at(const std::vector<Row> &table, const double time);
+    /** The integral of the table of velocities from its first time on. */
+    dealii::Tensor<1, dim>
+    travel(const double time) const;
     /** The turn by an angle about the axis. */
     dealii::Tensor<2, dim>
     turned(const double angle) const;
@@ -117,7 +124,7 @@ namespace emmy
     dealii::Point<dim>                                      reference_point;
     dealii::Tensor<1, dim>                                  axis; ///< in space
     bool                                                    turns = false;
-    std::vector<Row>                                        table;
+    std::vector<Row>                                        table, velocities;
     std::vector<std::unique_ptr<dealii::FunctionParser<1>>> formulas;
     std::unique_ptr<dealii::FunctionParser<1>>              rotation;
   };

@@ -1,6 +1,7 @@
 #ifndef emmy_effects_tool_parameters_h
 #define emmy_effects_tool_parameters_h
 
+#include <emmy/effects/advice.h>
 #include <emmy/effects/tools.h>
 
 namespace emmy
@@ -39,6 +40,19 @@ namespace emmy
       return push.is_given();
     }
 
+    /** Whether it keeps hold of what it touches at the start. */
+    bool
+    is_holding() const
+    {
+      return holds;
+    }
+    /** What it looks like; throws ExcParameter. */
+    std::unique_ptr<ToolShape<dim>>
+    make_shape() const;
+    /** How it is told to move; throws ExcParameter. */
+    ToolMotion<dim>
+    make_motion() const;
+
     const std::string name; ///< as in `Names`
 
   private:
@@ -59,7 +73,7 @@ namespace emmy
 
   /** Section `Effects/Tools`. */
   template <int dim>
-  class ToolsParameters : public EffectParameters<dim>
+  class ToolsParameters : public EffectParameters<dim>, public Adviser<dim>
   {
   public:
     /** Declares the tools that `Names` lists. */
@@ -89,6 +103,15 @@ namespace emmy
     card();
     EffectCard
     card_in_scene(const EffectCard &of_library) const override;
+
+    /**
+     * Which tools touch no particle in the whole run, and which are outside of
+     * the grid from some time on, as far as that can be known beforehand. Of a
+     * tool that a force pushes nothing is said, and of one that rests nothing
+     * if something else may move bodies. Cost: see ToolPath.
+     */
+    std::vector<std::string>
+    advice(const BeforeTheRun<dim> &run) const override;
 
   private:
     std::vector<std::string>                          names;

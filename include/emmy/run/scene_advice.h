@@ -11,7 +11,7 @@ namespace emmy
    * What `emmy --check` says of a scene beyond its card: the shortest waves
    * that steps and grid resolve; numbers that look as if they were not in SI
    * units; how many nodes starve, and where; bodies whose boxes overlap;
-   * particles on faces of cells;
+   * particles on faces of cells; what the effects advise, see Adviser;
    * and what would make the run cheaper. Collective. Cost: a loop over the
    * particles and the other bodies.
    */
