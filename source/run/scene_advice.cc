@@ -4,6 +4,8 @@
 #include <emmy/base/text.h>
 #include <emmy/effects/field_load.h>
 #include <emmy/effects/starved_nodes.h>
+#include <emmy/run/cheaper.h>
+#include <emmy/run/load_waves.h>
 #include <emmy/run/scene_advice.h>
 
 #include <algorithm>
@@ -241,22 +243,30 @@ namespace emmy
     {
       if (!scene.balance.has(starved_nodes_effect))
         return;
-      const auto found    = starved_nodes(scene);
-      bool       is_first = true;
-      for (unsigned int b = 0; b < scene.bodies.size(); ++b)
+      using Places     = std::vector<std::array<double, dim>>;
+      const auto found = starved_nodes(scene);
+      std::vector<Places>
+        places; // by body; ranks number nodes in their own way
+      for (const auto &ids : found)
         {
-          using Place = std::array<double, dim>;
-          std::vector<Place> places; // ranks number nodes in their own way
-          for (const auto id : found[b])
+          places.emplace_back();
+          for (const auto id : ids)
             {
               const auto x = scene.grid.node_position(id);
-              std::copy_n(x.begin_raw(), dim, places.emplace_back().begin());
+              std::copy_n(x.begin_raw(),
+                          dim,
+                          places.back().emplace_back().begin());
             }
-          std::set<Place> all; // nodes between ranks count once
-          for (const auto &part :
-               dealii::Utilities::MPI::gather(scene.grid.communicator(),
-                                              places))
-            all.insert(part.begin(), part.end());
+        }
+      const auto of_ranks =
+        dealii::Utilities::MPI::gather(scene.grid.communicator(), places);
+      bool is_first = true;
+      for (unsigned int b = 0; b < scene.bodies.size(); ++b)
+        {
+          std::set<std::array<double, dim>>
+            all; // nodes between ranks count once
+          for (const auto &of_rank : of_ranks)
+            all.insert(of_rank[b].begin(), of_rank[b].end());
           if (all.empty())
             continue;
           line(out, is_first ? "starved at the start" : "")
@@ -307,7 +317,10 @@ namespace emmy
          std::ostream               &out)
   {
     if (!parameters.time.is_static())
-      tell_waves(scene, initial, out);
+      {
+        tell_waves(scene, initial, out);
+        tell_load_waves(scene, parameters, initial, out);
+      }
     tell_units(scene, out);
     tell_weights(scene, parameters, out);
     tell_starved(scene, out);
@@ -327,6 +340,11 @@ namespace emmy
              "the body by a part of a cell, or take other Points per "
              "direction\n";
     tell_cheaper(parameters, counts, initial, out);
+    tell_cheaper_settings(scene,
+                          parameters,
+                          initial,
+                          initial.totals.particles / double(counts.cells),
+                          out);
   }
 
   template <int dim>

@@ -1,6 +1,7 @@
 #ifndef emmy_effects_tool_parameters_h
 #define emmy_effects_tool_parameters_h
 
+#include <emmy/effects/time_history.h>
 #include <emmy/effects/tools.h>
 
 namespace emmy
@@ -38,6 +39,9 @@ namespace emmy
     {
       return push.is_given();
     }
+    /** Displacements along the axes, and the force that pushes it. */
+    std::vector<TimeHistory>
+    histories() const;
 
     const std::string name; ///< as in `Names`
 
@@ -59,7 +63,7 @@ namespace emmy
 
   /** Section `Effects/Tools`. */
   template <int dim>
-  class ToolsParameters : public EffectParameters<dim>
+  class ToolsParameters : public EffectParameters<dim>, public GivenOverTime
   {
   public:
     /** Declares the tools that `Names` lists. */
@@ -89,6 +93,8 @@ namespace emmy
     card();
     EffectCard
     card_in_scene(const EffectCard &of_library) const override;
+    std::vector<TimeHistory>
+    histories() const override;
 
   private:
     std::vector<std::string>                          names;
