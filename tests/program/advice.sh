@@ -38,6 +38,9 @@ for text in 'steps twice as large' 'Geometry = start' 'Shape functions = linear'
   has "$text  " "$block"
 done
 lacks 'cells twice as large' "$block" # it has two across
+lacks 'in their cells at the start' "$block"
+has 'walls                 x-min: no body lies in their cells at the start' "$block" \
+  --set "Boundary conditions/Roller=y-min, x-min"
 # the box stands on faces of cells, and its boxes of GIMP reach no further; moved by a hair they feed nodes beyond it
 has 'starved at the start  none' "$block"
 has 'starved at the start  body block: 3 follow others, the first at (2.5, 0) m' "$block" \
@@ -90,6 +93,10 @@ end
 END
 has 'another body, as of <box> into <disc>' "$work/two.prm"
 lacks 'reach into another body' "$work/two.prm" --set "Bodies/box/Shape=box(1.5, 0.5; 2.5, 1.5)"
+# a core and its shell share the lattice of the cells: no boxes overlap
+set -- --set "Bodies/disc/Shape=ball(1, 1; 0.3)" --set "Bodies/box/Shape=difference(ball(1, 1; 0.8), ball(1, 1; 0.3))"
+lacks 'reach into another body' "$work/two.prm" "$@"
+has 'reach into another body' "$work/two.prm" "$@" --set "Bodies/box/Points per direction=3"
 has 'with one particle in a cell' "$work/two.prm" \
   --set "Bodies/disc/Points per direction=1" --set "Bodies/box/Points per direction=1"
 lacks 'with one particle in a cell' "$work/two.prm"
