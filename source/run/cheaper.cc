@@ -1,3 +1,4 @@
+#include <emmy/effects/field_load.h>
 #include <emmy/run/cheaper.h>
 
 #include <algorithm>
@@ -65,17 +66,17 @@ namespace emmy
     const auto             &names       = parameters.effect_names.names;
     const bool              is_implicit = !time.is_explicit();
     const bool              is_dynamic  = is_implicit && !time.is_static();
-    // what touches or presses on boxes was measured with GIMP only
-    const bool has_plain_loads =
-      std::all_of(names.begin(), names.end(), [](const std::string &name) {
-        return name == "gravity" || name == "point load" ||
-               name == "mass damping";
+    // what acts on the outermost particles was measured with GIMP only
+    const bool acts_inside = method.least_threshold == 0.;
+    const bool is_body_force_alone =
+      std::all_of(names.begin(), names.end(), [&](const std::string &name) {
+        return dynamic_cast<const UniformAcceleration<dim> *>(
+                 parameters.effects.at(name).get()) != nullptr;
       });
-    const bool can_be_explicit =
-      is_dynamic && has_plain_loads &&
-      std::count(names.begin(), names.end(), "mass damping") == 0 &&
-      method.locking_treatment == "none" &&
-      courant_number(scene, initial.time_step) <= 1.;
+    const bool can_be_explicit = is_dynamic && is_body_force_alone &&
+                                 acts_inside &&
+                                 method.locking_treatment == "none" &&
+                                 courant_number(scene, initial.time_step) <= 1.;
     const bool         is_coarse = cells_across(scene) < 16.;
     const unsigned int n_ranks =
       dealii::Utilities::MPI::n_mpi_processes(scene.grid.communicator());
@@ -95,7 +96,7 @@ namespace emmy
        "Geometry = start",
        "0.5 to 0.8 of the time; errors x 1.5 in a collision, x 19 in "
        "compression that lasts"},
-      {is_dynamic && method.shape_functions == "GIMP" && has_plain_loads,
+      {is_dynamic && method.shape_functions == "GIMP" && acts_inside,
        "Shape functions = linear",
        "0.3 of the time; errors x 19, and finer grids do not help once "
        "particles cross cells"},

@@ -158,48 +158,13 @@ namespace emmy
       }
 
     file.parse(dealii::ParameterAcceptor::prm);
-    choose_method(file);
+    why_free = choose_method(file);
     dealii::ParameterAcceptor::parse_all_parameters();
     method.least_threshold = contact_sides.template least_threshold<dim>();
     choose_locking_treatment();
     for (const std::string &name : effect_names.names)
       method.least_threshold =
         std::max(method.least_threshold, effects.at(name)->least_threshold());
-  }
-
-  template <int dim>
-  void
-  SceneParameters<dim>::choose_method(const ParameterFile &file)
-  {
-    auto      &prm = dealii::ParameterAcceptor::prm;
-    const auto get = [&prm](const char *section, const char *entry) {
-      prm.enter_subsection(section);
-      const std::string value = prm.get(entry);
-      prm.leave_subsection();
-      return value;
-    };
-    // the parameters that a run writes say what it does
-    const auto choose = [&](const char *entry, const char *value) {
-      if (!file.value(std::string("Method/") + entry, "").empty())
-        return false;
-      prm.enter_subsection("Method");
-      prm.set(entry, value);
-      prm.leave_subsection();
-      return true;
-    };
-    const bool        is_explicit = get("Time", "Integrator") == "explicit";
-    const bool        is_static   = get("Time", "Integrator") == "static";
-    const std::string walls       = get("Method", "Wall mapping");
-    if (is_explicit && choose("Starved nodes", "free"))
-      why_free = "explicit steps have no equation that they could follow in";
-    else if (walls != "constrained" && choose("Starved nodes", "free"))
-      why_free = "the map of Wall mapping = " + walls +
-                 " would need followers of its own";
-    if (is_explicit || is_static ||
-        get("Method", "Shape functions") == "linear")
-      choose("Geometry", "start");
-    if (is_static)
-      choose("Stress rule", "end-point");
   }
 
   template <int dim>

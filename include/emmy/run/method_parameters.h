@@ -1,6 +1,7 @@
 #ifndef emmy_run_method_parameters_h
 #define emmy_run_method_parameters_h
 
+#include <emmy/base/parameter_file.h>
 #include <emmy/base/section.h>
 #include <emmy/effects/starved_nodes.h>
 #include <emmy/step/step_rule.h>
@@ -65,6 +66,15 @@ namespace emmy
     void
     declare_geometry();
   };
+
+  /**
+   * Set <Starved nodes>, <Geometry> and <Stress rule> as steps and maps want
+   * them, where a file does not name them. Before sections are parsed.
+   * @return why starved nodes are free although the file does not say so; or
+   *   empty
+   */
+  std::string
+  choose_method(const ParameterFile &file);
 } // namespace emmy
 
 #endif

@@ -119,14 +119,10 @@ namespace emmy
     RankParameters ranks;
     /** Another run's results. */
     StartParameters start;
-    /** Why starved nodes are free although the file does not say so; or empty.
-     */
+    /** See choose_method(). */
     std::string why_free;
 
   private:
-    /** <Starved nodes> and <Geometry> in a file that does not name them. */
-    void
-    choose_method(const ParameterFile &file);
     /** What Locking treatment = automatic is in this scene. */
     void
     choose_locking_treatment();
