@@ -31,9 +31,10 @@ count()
 # ghosts of MPI, entries that another rank owns, are none of ours
 count 'ghost stabilisation' 'ghost.?(stab|face|mass|effect|stiff|penal)' \
   'ghost_stabilisation|ghost_faces' 4
-# the choice, its threshold and its price; words of two remedies; what --check tells
+# the choice, its threshold and its price; words of a scene, of an effect that is
+# no more, of two remedies; what --check tells
 count 'starved nodes' 'starved|aggregat' \
-  'starved_nodes|aggregation|roots|families' 10
+  'starved_nodes|aggregation|roots|families' 12
 # examples in the words of --help, and of a comment
 count 'gravity' 'gravity' 'gravity|field_load|effect' 5
 count 'point load' 'point.?load' 'point_load|field_load' 2

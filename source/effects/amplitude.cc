@@ -113,6 +113,14 @@ namespace emmy
     text = "Amplitude <" + expression + ">";
   }
 
+  TimeHistory
+  AmplitudeParameters::history(const std::string &name,
+                               const std::string &section) const
+  {
+    const auto factor = std::make_shared<const Amplitude>(*this, section);
+    return {name, [factor](const double t) { return factor->over(t, 0.); }};
+  }
+
   double
   Amplitude::over(const double time, const double time_step) const
   {

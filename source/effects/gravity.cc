@@ -46,6 +46,13 @@ namespace emmy
   }
 
   template <int dim>
+  std::vector<TimeHistory>
+  GravityParameters<dim>::histories() const
+  {
+    return {amplitude.history("gravity", this->path())};
+  }
+
+  template <int dim>
   EffectCard
   GravityParameters<dim>::card()
   {

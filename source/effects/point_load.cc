@@ -223,6 +223,13 @@ namespace emmy
   }
 
   template <int dim>
+  std::vector<TimeHistory>
+  PointLoadParameters<dim>::histories() const
+  {
+    return {amplitude.history("point load", this->path())};
+  }
+
+  template <int dim>
   EffectCard
   PointLoadParameters<dim>::card()
   {

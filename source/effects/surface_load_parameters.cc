@@ -177,6 +177,16 @@ namespace emmy
   }
 
   template <int dim>
+  std::vector<TimeHistory>
+  SurfaceLoadsParameters<dim>::histories() const
+  {
+    std::vector<TimeHistory> result;
+    for (const auto &load : loads)
+      result.push_back(load->history());
+    return result;
+  }
+
+  template <int dim>
   EffectCard
   SurfaceLoadsParameters<dim>::card()
   {

@@ -250,6 +250,39 @@ namespace emmy
   }
 
   template <int dim>
+  std::vector<TimeHistory>
+  ToolParameters<dim>::histories() const
+  {
+    std::vector<TimeHistory> result;
+    const auto moved = std::make_shared<const ToolMotion<dim>>(motion, *this);
+    for (unsigned int d = 0; d < dim; ++d)
+      result.push_back(
+        {"the displacement of tool " + name,
+         [moved, d](const double t) { return moved->place(t)[d]; }});
+    if (is_pushed())
+      {
+        const auto pushed =
+          std::make_shared<const std::optional<ToolPush<dim>>>(
+            push.make(*this));
+        result.push_back(
+          {"the force on tool " + name,
+           [pushed](const double t) { return (*pushed)->force(t); }});
+      }
+    return result;
+  }
+
+  template <int dim>
+  std::vector<TimeHistory>
+  ToolsParameters<dim>::histories() const
+  {
+    std::vector<TimeHistory> result;
+    for (const auto &tool : tools)
+      for (TimeHistory &history : tool->histories())
+        result.push_back(std::move(history));
+    return result;
+  }
+
+  template <int dim>
   EffectCard
   ToolsParameters<dim>::card()
   {

@@ -5,7 +5,6 @@
 #include <emmy/effects/scaled_boxes.h>
 #include <emmy/effects/starved_nodes.h>
 #include <emmy/effects/table_states.h>
-#include <emmy/particles/body_measures.h>
 #include <emmy/particles/particle_count.h>
 #include <emmy/run/scene.h>
 #include <emmy/run/scene_card.h>
@@ -15,7 +14,6 @@
 #include <emmy/step/stepper.h>
 
 #include <algorithm>
-#include <iomanip>
 
 namespace emmy
 {
@@ -400,99 +398,6 @@ namespace emmy
                                                   parameters.solver,
                                                   state);
     return std::make_unique<Stepper<dim>>(setting, parameters.solver, state);
-  }
-
-  template <int dim>
-  void
-  Scene<dim>::describe(std::ostream     &out,
-                       const StepReport &initial,
-                       const SceneCard  &card,
-                       const bool        with_absent) const
-  {
-    const MPI_Comm communicator = grid.communicator();
-    const auto     line         = [&out](const std::string &what) -> auto &
-    {
-      return out << "  " << std::left << std::setw(22) << what;
-    };
-    line("dimension") << (dim == 2 ? "2 (plane strain)\n" : "3\n");
-    line("grid") << dealii::Patterns::Tools::to_string(grid.n_cells())
-                 << " cells, h = "
-                 << dealii::Patterns::Tools::to_string(
-                      dealii::Point<dim>(grid.cell_size()))
-                 << " m, " << grid.n_trees() << " trees\n";
-    line("ranks") << dealii::Utilities::MPI::n_mpi_processes(communicator)
-                  << '\n';
-    const auto measures = measure_bodies(bodies, grid, layout, particles);
-    for (unsigned int b = 0; b < bodies.size(); ++b)
-      {
-        line("body " + bodies[b].name)
-          << parameters.material_names.names[bodies[b].material] << ", density "
-          << bodies[b].density << " kg/m^3, P-wave modulus "
-          << material_of_body[b]->p_wave_modulus() << " Pa\n";
-        for (const std::string &text :
-             describe_measures(bodies[b], measures[b], grid))
-          text.compare(0, 5, "note:") == 0 ? out << "  " << text << '\n'
-                                           : line("") << text << '\n';
-        // 1e6 take a second or two
-        double n_boxes = 1.;
-        for (const unsigned int n : grid.n_cells())
-          n_boxes *= double(n) * bodies[b].points_per_direction;
-        if (n_boxes > 1e6 &&
-            !std::isfinite(bodies[b].shape->bounding_box().volume()))
-          line("") << "note: its formula was tried in all " << n_boxes
-                   << " boxes of the grid; the start is faster if its section "
-                      "has a Lower corner and an Upper corner\n";
-      }
-    const MethodParameters &method = parameters.method;
-    line("method") << method.shape_functions
-                   << (layout.has("half_length")
-                         ? " (domains: " + method.domain_update + ")"
-                         : std::string())
-                   << ", " << method.mapping << ", lumping " << mapping.lumping
-                   << (explicit_force
-                         ? ", explicit steps with the stress at their start"
-                         : ", " + method.stress_rule + " stress")
-                   << parameters.locking_summary()
-                   << (middle ? ", geometry in the middle of the step" : "");
-    if (boundary_conditions.has_walls())
-      out << ", " << method.wall_mapping << " walls";
-    out << '\n';
-    line("starved nodes") << (balance.has(starved_nodes_effect) ? "follow"
-                                                                : "free");
-    if (!parameters.why_free.empty())
-      out << ": " << parameters.why_free;
-    out << '\n';
-    line("effects") << (parameters.effect_names.names.empty()
-                          ? "none beyond inertia and internal force"
-                          : join(parameters.effect_names.names))
-                    << '\n';
-    for (const std::string &note : notes)
-      line("") << note << '\n';
-    // a number and an index per entry
-    const double       matrix_bytes = 12. * card.n_matrices * card.nonzeros;
-    const unsigned int bytes        = card.particle_bytes();
-    line("particles") << initial.totals.particles << ", "
-                      << layout.n_components() << " numbers each, " << bytes
-                      << " bytes, together "
-                      << bytes * initial.totals.particles / 1e6 << " MB\n";
-    line("work arrays") << card.point_bytes / 1e6
-                        << " MB for the points of the first step, "
-                        << matrix_bytes / 1e6 << " MB for matrices\n";
-    line("mass") << initial.totals.mass << " kg\n";
-    line("kinetic energy") << std::setprecision(16)
-                           << initial.totals.kinetic_energy
-                           << std::setprecision(6) << " J\n";
-    line("active cells") << initial.active_cells << '\n';
-    line("unknowns") << initial.active_dofs << '\n';
-    line("first time step") << initial.time_step << " s\n";
-    const double n_steps =
-      std::ceil(parameters.time.end_time / initial.time_step);
-    const unsigned int limit = parameters.time.maximum_steps;
-    line("steps") << "about "
-                  << (limit > 0 ? std::min<double>(limit, n_steps) : n_steps)
-                  << ", to t = " << parameters.time.end_time << " s"
-                  << (limit > 0 ? " or the limit of steps" : "") << '\n';
-    card.print(out, with_absent);
   }
 
   template class Scene<2>;

@@ -5,6 +5,9 @@
 #include <emmy/effects/advice.h>
 #include <emmy/effects/field_load.h>
 #include <emmy/effects/starved_nodes.h>
+#include <emmy/particles/particle_layout.h>
+#include <emmy/run/cheaper.h>
+#include <emmy/run/load_waves.h>
 #include <emmy/run/scene_advice.h>
 
 #include <algorithm>
@@ -156,6 +159,8 @@ namespace emmy
       /** Particles whose boxes have a corner in another body, and two names. */
       std::uint64_t overlaps = 0;
       std::string   first, second;
+      /** Sides of the grid whose cells hold particles, as 1. */
+      std::vector<unsigned int> at_side = std::vector<unsigned int>(2 * dim);
     };
 
     /** Whether the box around a point has a corner in a shape. */
@@ -176,16 +181,40 @@ namespace emmy
       return false;
     }
 
+    /**
+     * How far the boxes of a body's particles reach beside their centres, m,
+     * by the other body: zero where both divide the cells alike, as their boxes
+     * never overlap then.
+     */
+    template <int dim>
+    std::vector<std::vector<dealii::Tensor<1, dim>>>
+    reaches_of_boxes(const Scene<dim> &scene)
+    {
+      std::vector<bool> divides_cells;
+      for (const Body<dim> &body : scene.bodies)
+        divides_cells.push_back(
+          body.shape->table() == nullptr &&
+          !ParticleLayout<dim>(body, scene.grid).divides_body());
+      const std::size_t                                n = scene.bodies.size();
+      std::vector<std::vector<dealii::Tensor<1, dim>>> result(
+        n, std::vector<dealii::Tensor<1, dim>>(n));
+      for (std::size_t a = 0; a < n; ++a)
+        for (std::size_t b = 0; b < n; ++b)
+          if (!divides_cells[a] || !divides_cells[b] ||
+              scene.bodies[a].points_per_direction !=
+                scene.bodies[b].points_per_direction)
+            result[a][b] = initial_half_length(scene.bodies[a], scene.grid);
+      return result;
+    }
+
     /** Collective; the names are those of this rank. */
     template <int dim>
     Counts<dim>
     count(const Scene<dim> &scene)
     {
-      Counts<dim>                         counts;
-      std::set<CellKey<dim>>              cells;
-      std::vector<dealii::Tensor<1, dim>> half;
-      for (const Body<dim> &body : scene.bodies)
-        half.push_back(initial_half_length(body, scene.grid));
+      Counts<dim>            counts;
+      std::set<CellKey<dim>> cells;
+      const auto             half = reaches_of_boxes(scene);
       for (const auto &particle : scene.particles)
         {
           const auto  key = scene.grid.key_of(particle.get_surrounding_cell());
@@ -196,12 +225,20 @@ namespace emmy
             is_on_face =
               is_on_face || place[d] < 1e-12 || place[d] > 1. - 1e-12;
           counts.on_faces += is_on_face;
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              const double h = scene.grid.size_of(key)[d];
+              if (x[d] < scene.grid.lower_corner()[d] + h)
+                counts.at_side[2 * d] = 1;
+              if (x[d] > scene.grid.upper_corner()[d] - h)
+                counts.at_side[2 * d + 1] = 1;
+            }
           cells.insert(key);
           const unsigned int b =
             particle.get_properties()[scene.layout["body"]];
           for (unsigned int other = 0; other < scene.bodies.size(); ++other)
             if (other != b &&
-                reaches<dim>(x, half[b], *scene.bodies[other].shape))
+                reaches<dim>(x, half[b][other], *scene.bodies[other].shape))
               {
                 ++counts.overlaps;
                 counts.first  = scene.bodies[b].name;
@@ -215,7 +252,25 @@ namespace emmy
         dealii::Utilities::MPI::sum(counts.on_faces, communicator);
       counts.overlaps =
         dealii::Utilities::MPI::sum(counts.overlaps, communicator);
+      dealii::Utilities::MPI::max(counts.at_side, communicator, counts.at_side);
       return counts;
+    }
+
+    /** Walls that hold nothing yet: a floor below, or a mistake. */
+    template <int dim>
+    void
+    tell_walls(const Scene<dim>  &scene,
+               const Counts<dim> &counts,
+               std::ostream      &out)
+    {
+      std::vector<std::string> idle;
+      for (unsigned int side = 0; side < 2 * dim; ++side)
+        if (scene.boundary_conditions.fixed_components_of(side).any() &&
+            counts.at_side[side] == 0)
+          idle.push_back(side_names(dim)[side]);
+      if (!idle.empty())
+        line(out, "walls") << join(idle)
+                           << ": no body lies in their cells at the start\n";
     }
 
     /** Nodes that follow others, by the bodies that reach them. */
@@ -317,22 +372,30 @@ namespace emmy
     {
       if (!scene.balance.has(starved_nodes_effect))
         return;
-      const auto found    = starved_nodes(scene);
-      bool       is_first = true;
-      for (unsigned int b = 0; b < scene.bodies.size(); ++b)
+      using Places     = std::vector<std::array<double, dim>>;
+      const auto found = starved_nodes(scene);
+      std::vector<Places>
+        places; // by body; ranks number nodes in their own way
+      for (const auto &ids : found)
         {
-          using Place = std::array<double, dim>;
-          std::vector<Place> places; // ranks number nodes in their own way
-          for (const auto id : found[b])
+          places.emplace_back();
+          for (const auto id : ids)
             {
               const auto x = scene.grid.node_position(id);
-              std::copy_n(x.begin_raw(), dim, places.emplace_back().begin());
+              std::copy_n(x.begin_raw(),
+                          dim,
+                          places.back().emplace_back().begin());
             }
-          std::set<Place> all; // nodes between ranks count once
-          for (const auto &part :
-               dealii::Utilities::MPI::gather(scene.grid.communicator(),
-                                              places))
-            all.insert(part.begin(), part.end());
+        }
+      const auto of_ranks =
+        dealii::Utilities::MPI::gather(scene.grid.communicator(), places);
+      bool is_first = true;
+      for (unsigned int b = 0; b < scene.bodies.size(); ++b)
+        {
+          std::set<std::array<double, dim>>
+            all; // nodes between ranks count once
+          for (const auto &of_rank : of_ranks)
+            all.insert(of_rank[b].begin(), of_rank[b].end());
           if (all.empty())
             continue;
           line(out, is_first ? "starved at the start" : "")
@@ -383,11 +446,15 @@ namespace emmy
          std::ostream               &out)
   {
     if (!parameters.time.is_static())
-      tell_waves(scene, initial, out);
+      {
+        tell_waves(scene, initial, out);
+        tell_load_waves(scene, parameters, initial, out);
+      }
     tell_units(scene, out);
     tell_weights(scene, parameters, out);
     tell_starved(scene, out);
     const auto counts = count(scene);
+    tell_walls(scene, counts, out);
     if (counts.overlaps > 0)
       out << "  note: the boxes of " << counts.overlaps
           << " particles reach into another body"
@@ -404,6 +471,11 @@ namespace emmy
              "direction\n";
     tell_advice(scene, parameters, out);
     tell_cheaper(parameters, counts, initial, out);
+    tell_cheaper_settings(scene,
+                          parameters,
+                          initial,
+                          initial.totals.particles / double(counts.cells),
+                          out);
   }
 
   template <int dim>

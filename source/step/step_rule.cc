@@ -9,101 +9,125 @@
 
 namespace emmy
 {
-  TimeParameters::TimeParameters(const std::string &path)
-    : Section(path)
+  namespace
   {
     using dealii::Patterns::Double;
     using dealii::Patterns::Integer;
+
     // negative numbers pass the patterns so that validate() can explain them
-    add_parameter("End time",
-                  end_time,
-                  "The run ends at the first step that reaches it (see "
-                  "<Shorten last step>). Unit: s. "
-                  "Required, positive.",
-                  prm,
-                  Double());
-    add_parameter("Integrator",
-                  integrator,
-                  "implicit: Newton, no limit on the step but accuracy. "
-                  "explicit: lumped mass, symplectic Euler, stress updated "
-                  "last; for comparison. Cheap steps, which are stable only "
-                  "for a Factor below about 1 (the Courant number) and are "
-                  "never halved; GIMP is more robust than linear. static: no "
-                  "inertia; loads are raised in <Increments> until the end "
-                  "time, which only counts them, and bodies are where forces "
-                  "balance.",
-                  prm,
-                  dealii::Patterns::Selection("implicit|explicit|static"));
-    add_parameter("Increments",
-                  increments,
-                  "Of static steps: equal parts in which loads are raised. One "
-                  "that fails is halved. At least 1.",
-                  prm,
-                  Integer(1));
-    add_parameter("Raised loads",
-                  raised_loads,
-                  "Of static steps: those of Effects/Names whose loads are "
-                  "raised. Others act in full from the start, as the weight of "
-                  "bodies that are at rest under it already. none: all act in "
-                  "full. Empty: all are raised.",
-                  prm,
-                  dealii::Patterns::List(dealii::Patterns::Anything()));
-    add_parameter("Stress update",
-                  stress_update,
-                  "Of explicit steps: what strains the particles at the end of "
-                  "the step. modified: the velocities that they have then, "
-                  "mapped to the grid again. plain: the velocities of the "
-                  "grid, which are wild where a node has little mass: it "
-                  "fails when particles enter new cells.",
-                  prm,
-                  dealii::Patterns::Selection("modified|plain"));
-    add_parameter("Step rule",
-                  step_rule,
-                  "fixed: <Step size>. wave: time of a P-wave through a cell "
-                  "(Pretti et al. 2023, eq. 57). paper: eq. 61 as printed, "
-                  "from nodal sums. normalised: the same with averaged moduli.",
-                  prm,
-                  dealii::Patterns::Selection("fixed|wave|paper|normalised"));
-    add_parameter("Step size",
-                  step_size,
-                  "Step of the rule <fixed>. Unit: s.",
-                  prm,
-                  Double());
-    add_parameter("Factor",
-                  factor,
-                  "Multiplies the rules wave, paper and normalised. 0.2 to "
-                  "0.5 resolves waves; more is stable, but coarse. "
-                  "Dimensionless, positive.",
-                  prm,
-                  Double());
-    add_parameter("Maximum steps",
-                  maximum_steps,
-                  "The run ends after so many steps. 0: no limit.",
-                  prm,
-                  Integer(0));
-    add_parameter("Maximum halvings",
-                  maximum_halvings,
-                  "How often a step that does not converge is halved before "
-                  "the run stops.",
-                  prm,
-                  Integer(0, 50));
-    add_parameter(
-      "Maximum travel",
-      maximum_travel,
-      "How much nearer parts of the material that meet, of one body "
-      "or of several, and a particle and a wall may come in a "
-      "step, in cells, with the velocities at its start. Parts "
-      "that are farther apart may come to two cells from one "
-      "another, or one from a wall. A longer step is shortened, "
-      "and run.log says so; what flies or turns as a whole is not "
-      "slowed. 0: no limit. Above 0.5 bodies can pass through one "
-      "another without meeting.",
-      prm,
-      Double(0.));
-    add_parameter("Shorten last step",
-                  shorten_last_step,
-                  "Whether the last step is cut to end at <End time>. If not, "
-                  "the run ends with the first step that reaches it.");
+    void
+    declare_integrator(TimeParameters &time)
+    {
+      time.add_parameter("End time",
+                         time.end_time,
+                         "The run ends at the first step that reaches it (see "
+                         "<Shorten last step>). Unit: s. "
+                         "Required, positive.",
+                         time.prm,
+                         Double());
+      time.add_parameter(
+        "Integrator",
+        time.integrator,
+        "implicit: Newton, no limit on the step but accuracy. "
+        "explicit: lumped mass, symplectic Euler, stress updated "
+        "last; for comparison. Cheap steps, which are stable only "
+        "for a Factor below about 1 (the Courant number) and are "
+        "never halved; GIMP is more robust than linear. static: no "
+        "inertia; loads are raised in <Increments> until the end "
+        "time, which only counts them, and bodies are where forces "
+        "balance.",
+        time.prm,
+        dealii::Patterns::Selection("implicit|explicit|static"));
+      time.add_parameter(
+        "Increments",
+        time.increments,
+        "Of static steps: equal parts in which loads are raised. One "
+        "that fails is halved. At least 1.",
+        time.prm,
+        Integer(1));
+      time.add_parameter(
+        "Raised loads",
+        time.raised_loads,
+        "Of static steps: those of Effects/Names whose loads are "
+        "raised. Others act in full from the start, as the weight of "
+        "bodies that are at rest under it already. none: all act in "
+        "full. Empty: all are raised.",
+        time.prm,
+        dealii::Patterns::List(dealii::Patterns::Anything()));
+      time.add_parameter(
+        "Stress update",
+        time.stress_update,
+        "Of explicit steps: what strains the particles at the end of "
+        "the step. modified: the velocities that they have then, "
+        "mapped to the grid again. plain: the velocities of the "
+        "grid, which are wild where a node has little mass: it "
+        "fails when particles enter new cells.",
+        time.prm,
+        dealii::Patterns::Selection("modified|plain"));
+    }
+
+    void
+    declare_steps(TimeParameters &time)
+    {
+      time.add_parameter(
+        "Step rule",
+        time.step_rule,
+        "fixed: <Step size>. wave: time of a P-wave through a cell "
+        "(Pretti et al. 2023, eq. 57). paper: eq. 61 as printed, "
+        "from nodal sums. normalised: the same with averaged moduli.",
+        time.prm,
+        dealii::Patterns::Selection("fixed|wave|paper|normalised"));
+      time.add_parameter("Step size",
+                         time.step_size,
+                         "Step of the rule <fixed>. Unit: s.",
+                         time.prm,
+                         Double());
+      time.add_parameter(
+        "Factor",
+        time.factor,
+        "Multiplies the rules wave, paper and normalised. 0.2 to "
+        "0.5 resolves waves; more is stable, but coarse. "
+        "Dimensionless, positive.",
+        time.prm,
+        Double());
+      time.add_parameter("Maximum steps",
+                         time.maximum_steps,
+                         "The run ends after so many steps. 0: no limit.",
+                         time.prm,
+                         Integer(0));
+      time.add_parameter(
+        "Maximum halvings",
+        time.maximum_halvings,
+        "How often a step that does not converge is halved before "
+        "the run stops.",
+        time.prm,
+        Integer(0, 50));
+      time.add_parameter(
+        "Maximum travel",
+        time.maximum_travel,
+        "How much nearer parts of the material that meet, of one body "
+        "or of several, and a particle and a wall may come in a "
+        "step, in cells, with the velocities at its start. Parts "
+        "that are farther apart may come to two cells from one "
+        "another, or one from a wall. A longer step is shortened, "
+        "and run.log says so; what flies or turns as a whole is not "
+        "slowed. 0: no limit. Above 0.5 bodies can pass through one "
+        "another without meeting.",
+        time.prm,
+        Double(0.));
+      time.add_parameter(
+        "Shorten last step",
+        time.shorten_last_step,
+        "Whether the last step is cut to end at <End time>. If not, "
+        "the run ends with the first step that reaches it.");
+    }
+  } // namespace
+
+  TimeParameters::TimeParameters(const std::string &path)
+    : Section(path)
+  {
+    declare_integrator(*this);
+    declare_steps(*this);
   }
 
   void

@@ -2,6 +2,7 @@
 """What a rigid, smooth strip that vibrates on elastic ground feels.
 
     vibrating_strip.py HERTZ HALF_WIDTH [SHEAR_WAVE_SPEED NU DENSITY]
+    vibrating_strip.py --check SOURCE_ROOT    what scene, page and test say of it
 
 Lamb's half-plane: with p(k) the transform of the pressure, the surface moves by
 -k_s^2 a p(k)/(G R(k)), R = (2 k^2 - k_s^2)^2 - 4 k^2 a b, a^2 = k^2 - k_p^2,
@@ -12,6 +13,7 @@ latter of plane pressure waves, rho c_p b, to which it tends at high frequency.
 """
 import cmath
 import math
+import os
 import sys
 
 LOSS = 0.01  # of the wave number: keeps the path off the Rayleigh pole
@@ -65,15 +67,39 @@ def impedance(a0, nu):
     return math.pi * result[0]
 
 
-def main():
-    if not 3 <= len(sys.argv) <= 6:
-        sys.exit("vibrating_strip.py HERTZ HALF_WIDTH [SHEAR_WAVE_SPEED] [POISSON] [DENSITY]")
-    hertz, b, c_s, nu, rho = (list(map(float, sys.argv[1:])) + [200.0, 0.25, 1800.0][len(sys.argv) - 3 :])[:5]
+def strip(hertz, b, c_s=200.0, nu=0.25, rho=1800.0):
+    """Stiffness, N/m, damping coefficient and that of plane waves, N s/m."""
     omega = 2 * math.pi * hertz
     stiffness = impedance(omega * b / c_s, nu) * rho * c_s**2 / 2
     c_p = c_s * math.sqrt(2 * (1 - nu) / (1 - 2 * nu))
-    print(f"stiffness {stiffness.real / 1e6:.1f} MN/m, damping coefficient {stiffness.imag / omega / 1e3:.1f} kN s/m"
-          f" (plane waves {rho * c_p * b / 1e3:.1f})")
+    return stiffness.real, stiffness.imag / omega, rho * c_p * b
+
+
+def check(root):
+    """The damping coefficients are the same in all places that have them."""
+    narrow, wide = (int(strip(48, b)[1] / 1e3) for b in (1.0, 1.125))
+    failed = 0
+    for path, text in (
+        ("tests/scenes/ground.cc", f"narrow_strip = {narrow}e3, wide_strip = {wide}e3;"),
+        ("prm/ground/vibrating-footing.prm", f"C = {narrow} kN s/m"),
+        ("prm/ground/vibrating-footing.prm", f"and {wide} kN s/m for 1.125 m"),
+        ("doc/ground.md", f"| {narrow}, {wide} |"),
+    ):
+        with open(os.path.join(root, path), encoding="utf-8") as file:
+            if text not in file.read():
+                print(f"FAILED: {path} does not have <{text}>")
+                failed = 1
+    return failed
+
+
+def main():
+    if len(sys.argv) == 3 and sys.argv[1] == "--check":
+        sys.exit(check(sys.argv[2]))
+    if not 3 <= len(sys.argv) <= 6:
+        sys.exit("vibrating_strip.py HERTZ HALF_WIDTH [SHEAR_WAVE_SPEED] [POISSON] [DENSITY]")
+    stiffness, damping, plane = strip(*map(float, sys.argv[1:]))
+    print(f"stiffness {stiffness / 1e6:.1f} MN/m, damping coefficient {damping / 1e3:.1f} kN s/m"
+          f" (plane waves {plane / 1e3:.1f})")
 
 
 if __name__ == "__main__":

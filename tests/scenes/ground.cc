@@ -287,6 +287,12 @@ namespace
           "block: balance");
   }
 
+  /**
+   * Lamb's half-plane below a strip of half the width 1 and 1.125 m, N s/m: the
+   * test vibrating_strip finds the same.
+   */
+  constexpr double narrow_strip = 608e3, wide_strip = 692e3;
+
   /** The power that it radiates, as that of a dashpot. */
   void
   check_vibration()
@@ -299,9 +305,10 @@ namespace
     const unsigned int cycle = (work.size() - 1) / 5;
     const double       C =
       (work.back() - work[work.size() - 1 - cycle]) * 48. / (0.5 * 0.01 * 0.01);
-    std::cout << "vibrating footing: " << 1e-3 * C
-              << " kN s/m (right 608 to 692)" << std::endl;
-    check(C > 608e3 && C < 692e3, "vibrating footing: radiation");
+    std::cout << "vibrating footing: " << 1e-3 * C << " kN s/m (right "
+              << 1e-3 * narrow_strip << " to " << 1e-3 * wide_strip << ')'
+              << std::endl;
+    check(C > narrow_strip && C < wide_strip, "vibrating footing: radiation");
     check(std::abs(run.ledger["balance_error"]) < 1e-12 * work.back(),
           "vibrating footing: balance");
   }

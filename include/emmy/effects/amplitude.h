@@ -4,6 +4,7 @@
 #include <deal.II/base/function_parser.h>
 
 #include <emmy/base/section.h>
+#include <emmy/effects/time_history.h>
 
 #include <memory>
 #include <string>
@@ -22,6 +23,13 @@ namespace emmy
     /** Declare `Amplitude`, `Amplitude table` and `Sampling` there. */
     void
     declare(Section &section);
+
+    /**
+     * The factor over time. Throws ExcParameter for what cannot be read.
+     * @param name of the load
+     */
+    TimeHistory
+    history(const std::string &name, const std::string &section) const;
   };
 
   /**

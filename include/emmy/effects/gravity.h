@@ -8,7 +8,8 @@ namespace emmy
   /** Section `Effects/Gravity`. */
   template <int dim>
   class GravityParameters : public EffectParameters<dim>,
-                            public UniformAcceleration<dim>
+                            public UniformAcceleration<dim>,
+                            public GivenOverTime
   {
   public:
     /** Declares the entries of a section. */
@@ -23,6 +24,8 @@ namespace emmy
 
     dealii::Tensor<1, dim>
     vector() const override;
+    std::vector<TimeHistory>
+    histories() const override;
 
   private:
     std::vector<double> acceleration; // m/s^2

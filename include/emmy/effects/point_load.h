@@ -16,7 +16,7 @@ namespace emmy
    * field `point_load_share`; the shares of a scene add to one.
    */
   template <int dim>
-  class PointLoadParameters : public EffectParameters<dim>
+  class PointLoadParameters : public EffectParameters<dim>, public GivenOverTime
   {
   public:
     /** Declares the entries of a section. */
@@ -28,6 +28,8 @@ namespace emmy
     /** What `emmy --check` says of it. */
     static EffectCard
     card();
+    std::vector<TimeHistory>
+    histories() const override;
 
   private:
     /** Throws ExcParameter. */

@@ -184,6 +184,12 @@ namespace emmy
     /** Pressure, else traction. */
     bool
     is_pressure() const;
+    /** Of its amplitude. */
+    TimeHistory
+    history() const
+    {
+      return amplitude.history("surface load " + name, this->path());
+    }
 
     const std::string name; ///< as in `Names`
 
@@ -196,7 +202,8 @@ namespace emmy
 
   /** Section `Effects/Surface loads`. */
   template <int dim>
-  class SurfaceLoadsParameters : public EffectParameters<dim>
+  class SurfaceLoadsParameters : public EffectParameters<dim>,
+                                 public GivenOverTime
   {
   public:
     /** Declares the loads that `Names` lists. */
@@ -214,6 +221,8 @@ namespace emmy
     card();
     EffectCard
     card_in_scene(const EffectCard &of_library) const override;
+    std::vector<TimeHistory>
+    histories() const override;
 
   private:
     std::vector<std::string>                                 names;

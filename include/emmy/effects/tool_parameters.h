@@ -2,6 +2,7 @@
 #define emmy_effects_tool_parameters_h
 
 #include <emmy/effects/advice.h>
+#include <emmy/effects/time_history.h>
 #include <emmy/effects/tools.h>
 
 namespace emmy
@@ -39,6 +40,9 @@ namespace emmy
     {
       return push.is_given();
     }
+    /** Displacements along the axes, and the force that pushes it. */
+    std::vector<TimeHistory>
+    histories() const;
 
     /** Whether it keeps hold of what it touches at the start. */
     bool
@@ -73,7 +77,9 @@ namespace emmy
 
   /** Section `Effects/Tools`. */
   template <int dim>
-  class ToolsParameters : public EffectParameters<dim>, public Adviser<dim>
+  class ToolsParameters : public EffectParameters<dim>,
+                          public Adviser<dim>,
+                          public GivenOverTime
   {
   public:
     /** Declares the tools that `Names` lists. */
@@ -103,6 +109,8 @@ namespace emmy
     card();
     EffectCard
     card_in_scene(const EffectCard &of_library) const override;
+    std::vector<TimeHistory>
+    histories() const override;
 
     /**
      * Which tools touch no particle in the whole run, and which are outside of

@@ -9,11 +9,12 @@ namespace emmy
 {
   /**
    * What `emmy --check` says of a scene beyond its card: the shortest waves
-   * that steps and grid resolve; numbers that look as if they were not in SI
-   * units; how many nodes starve, and where; bodies whose boxes overlap;
-   * particles on faces of cells; what the effects advise, see Adviser;
-   * and what would make the run cheaper. Collective. Cost: a loop over the
-   * particles and the other bodies.
+   * that steps and grid resolve, and those that loads send; numbers that look
+   * as if they were not in SI units; how many nodes starve, and where; walls
+   * that touch nothing; bodies whose boxes overlap; particles on faces of
+   * cells; what the effects advise, see Adviser; and what would make the run
+   * cheaper, at which price. Collective. Cost: a loop over the particles and
+   * the other bodies, and some ten thousand evaluations of each amplitude.
    */
   template <int dim>
   void

@@ -5,20 +5,19 @@
 #include <emmy/effects/effect.h>
 #include <emmy/effects/moving_walls.h>
 #include <emmy/effects/reactions.h>
-#include <emmy/effects/starved_nodes.h>
 #include <emmy/effects/tool_sides.h>
 #include <emmy/grid/boundary_conditions.h>
 #include <emmy/material/material.h>
 #include <emmy/output/measurement.h>
 #include <emmy/particles/body.h>
 #include <emmy/run/checkpoint_parameters.h>
+#include <emmy/run/method_parameters.h>
 #include <emmy/run/output_parameters.h>
 #include <emmy/run/rank_balance.h>
 #include <emmy/run/start.h>
 #include <emmy/solve/linear_solver.h>
 #include <emmy/step/small_cuts.h>
 #include <emmy/step/step_rule.h>
-#include <emmy/transfer/particles_to_grid.h>
 
 #include <map>
 #include <memory>
@@ -45,50 +44,6 @@ namespace emmy
 
     /** Declares the entry `Names` of a section. */
     NameList(const std::string &path, const std::string &documentation);
-  };
-
-  /** Section `Method`. */
-  class MethodParameters : public Section
-  {
-  public:
-    std::string shape_functions = "GIMP"; ///< `GIMP` or `linear`
-    /** How boxes of GIMP follow: see transfer/domain_update. */
-    std::string domain_update     = "stretch";
-    std::string starved_nodes     = "follow"; ///< `follow` or `free`
-    double      starved_threshold = 0.;       ///< 0: by the shape functions
-    std::string mapping           = "FLIP";   ///< `FLIP`, `PIC` or a blend
-    double      flip_fraction     = -1.;      ///< -1: not given
-    double      lumping           = 0.;       ///< of the mass, 0 to 1
-    /** See material/stress_rules. */
-    std::string stress_rule = "conserving";
-    /** `none`, `cell` or `automatic`. */
-    std::string locking_treatment = "automatic";
-    /** See effects/wall_mapping. */
-    std::string wall_mapping       = "constrained";
-    std::string geometry           = "middle"; ///< `start` or `middle`
-    double      geometry_tolerance = 1e-8;     ///< cells
-    /** What effects want at least where <Starved threshold> is not given. */
-    double least_threshold = 0.;
-
-    /** @param shape_function_names the values of <Shape functions> */
-    explicit MethodParameters(
-      const std::vector<std::string> &shape_function_names);
-
-    /** Whether the grid is undeformed in the middle of a step. */
-    bool
-    is_at_middle(const TimeParameters &time) const;
-
-    /**
-     * What lets starved nodes follow, whether or not <Starved nodes> asks for
-     * it. Throws ExcParameter.
-     */
-    template <int dim>
-    std::unique_ptr<StarvedNodes<dim>>
-    make_starved_nodes(const FieldLayout &layout) const;
-
-    /** Check what belongs to the mapping. Throws ExcParameter. */
-    PointMapping
-    make_mapping() const;
   };
 
   /**
@@ -164,8 +119,7 @@ namespace emmy
     RankParameters ranks;
     /** Another run's results. */
     StartParameters start;
-    /** Why starved nodes are free although the file does not say so; or empty.
-     */
+    /** See choose_method(). */
     std::string why_free;
     /** The materials that Locking treatment is for; none: there is none. */
     std::vector<std::string> locking_materials;
@@ -178,9 +132,6 @@ namespace emmy
     locking_summary() const;
 
   private:
-    /** <Starved nodes> and <Geometry> in a file that does not name them. */
-    void
-    choose_method(const ParameterFile &file);
     /** For which materials Locking treatment = automatic is. */
     void
     choose_locking_treatment();
