@@ -288,6 +288,36 @@ namespace emmy
         "raise its Points per direction, refine the grid, or check its shape.");
       return result;
     }
+
+    /** Volume, mass and velocity of a row of a table, as far as it has them. */
+    template <int dim>
+    void
+    take_row(const ParticleTable<dim> &table,
+             const std::size_t         row,
+             const double              density,
+             double                   &volume,
+             double                   &mass,
+             dealii::Tensor<1, dim>   &velocity)
+    {
+      volume = table.volumes[row];
+      mass   = table.masses.empty() ? density * volume : table.masses[row];
+      if (!table.velocities.empty())
+        velocity += table.velocities[row];
+    }
+    /** What is wrong with the velocity of a body at a point, or empty. */
+    template <int dim>
+    std::string
+    velocity_problem(const Body<dim>              &body,
+                     const Point<dim>             &point,
+                     const dealii::Tensor<1, dim> &velocity)
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        if (!std::isfinite(velocity[d]))
+          return "the initial velocity of body <" + body.name + "> is " +
+                 shortest(velocity[d]) + " m/s at (" +
+                 dealii::Patterns::Tools::to_string(point) + ") m";
+      return {};
+    }
   } // namespace
 
   template <int dim>
@@ -308,7 +338,6 @@ namespace emmy
                    "enlarge the grid (Grid/Lower corner, Upper corner), "
                    "move the body, or name that side in its <Cut by>.");
     const auto fillings = find_points(bodies, grid);
-
     // ids that are unique over the ranks
     unsigned long n_local = 0;
     for (const Filling<dim> &filling : fillings)
@@ -348,24 +377,18 @@ namespace emmy
             filled.rows.push_back(0);
             if (table)
               {
-                const auto row     = lattices[filling.body].rows_in(key)[i];
-                values[volume]     = table->volumes[row];
-                values[mass]       = table->masses.empty()
-                                       ? from.density * values[volume]
-                                       : table->masses[row];
-                filled.rows.back() = row;
-                if (!table->velocities.empty())
-                  start += table->velocities[row];
+                filled.rows.back() = lattices[filling.body].rows_in(key)[i];
+                take_row(*table,
+                         filled.rows.back(),
+                         from.density,
+                         values[volume],
+                         values[mass],
+                         start);
               }
             for (unsigned int d = 0; d < dim; ++d)
-              {
-                values[velocity + d] = start[d];
-                if (!std::isfinite(values[velocity + d]))
-                  wrong_velocity =
-                    "the initial velocity of body <" + from.name + "> is " +
-                    shortest(values[velocity + d]) + " m/s at (" +
-                    dealii::Patterns::Tools::to_string(point) + ") m";
-              }
+              values[velocity + d] = start[d];
+            if (wrong_velocity.empty())
+              wrong_velocity = velocity_problem(from, point, start);
             Point<dim> reference = grid.reference_position(key, point);
             for (unsigned int d = 0; d < dim; ++d)
               reference[d] = std::min(1., std::max(0., reference[d]));

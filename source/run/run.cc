@@ -345,6 +345,51 @@ namespace emmy
       screen << "results in " << parts.directory.path() << '\n';
       return RunEnd::complete;
     }
+
+    /** The folder of results, with what stands there before the first step. */
+    template <int dim>
+    RunDirectory
+    begin_directory(const SceneParameters<dim> &parameters,
+                    const RunOptions           &options,
+                    Scene<dim>                 &scene,
+                    Ledger                     &ledger)
+    {
+      const MPI_Comm     communicator = scene.grid.communicator();
+      const std::string &path         = parameters.output.directory;
+      const RunDirectory directory =
+        options.restart
+          ? RunDirectory::of_run(path, communicator)
+          : RunDirectory(path,
+                         options.overwrite || parameters.output.overwrite,
+                         communicator);
+      if (options.restart)
+        go_on(*options.restart, directory, scene, ledger);
+      else if (!scene.started.path.empty())
+        keep_start(scene.started, directory, communicator);
+      return directory;
+    }
+
+    /**
+     * Opens the log, and writes parameters and the first row of the ledger.
+     * For the first rank. @return what could not be written, or empty
+     */
+    std::string
+    begin_files(const RunDirectory &directory,
+                const std::string  &head,
+                const std::string  &parameters,
+                const bool          is_restart,
+                std::ofstream      &log,
+                Ledger             &ledger)
+    {
+      log.open(directory.file("run.log"),
+               is_restart ? std::ios::app : std::ios::out);
+      log << head << std::flush;
+      const std::string problem =
+        write_whole_file(directory.file("parameters.prm"), parameters);
+      if (!is_restart)
+        ledger.write_to(directory.file("ledger.csv"));
+      return problem;
+    }
   } // namespace
 
   template <int dim>
@@ -390,14 +435,7 @@ namespace emmy
       }
 
     const RunDirectory directory =
-      saved ? RunDirectory::of_run(parameters.output.directory, communicator)
-            : RunDirectory(parameters.output.directory,
-                           options.overwrite || parameters.output.overwrite,
-                           communicator);
-    if (saved)
-      go_on(*saved, directory, scene, ledger);
-    else if (!scene.started.path.empty())
-      keep_start(scene.started, directory, communicator);
+      begin_directory(parameters, options, scene, ledger);
     std::ostringstream head;
     head << "emmy " EMMY_VERSION ": " << directory.path() << '\n';
     if (saved)
@@ -413,14 +451,8 @@ namespace emmy
                   }};
     std::string       file_problem;
     if (is_first)
-      {
-        log.open(log_name, saved ? std::ios::app : std::ios::out);
-        log << head.str() << std::flush;
-        file_problem = write_whole_file(directory.file("parameters.prm"),
-                                        text_of(parameters));
-        if (!saved)
-          ledger.write_to(directory.file("ledger.csv"));
-      }
+      file_problem = begin_files(
+        directory, head.str(), text_of(parameters), saved, log, ledger);
     screen << head.str() << std::flush;
     throw_together(communicator,
                    "Output",
@@ -428,13 +460,13 @@ namespace emmy
                    file_remedy);
     course.report.step = scene.state.step;
     course.report.time = scene.state.time;
-    if (saved && is_at_end(course.report, parameters.time))
+    const bool is_over = saved && is_at_end(course.report, parameters.time);
+    if (is_over)
       screen << "  the run is finished: "
-             << way_to_go_on(parameters.time, course.report) << '\n'
-             << std::flush;
+             << way_to_go_on(parameters.time, course.report) << std::endl;
     Frames<dim> frames(scene, parameters, directory);
     if (saved)
-      frames.go_on(is_at_end(course.report, parameters.time));
+      frames.go_on(is_over);
     else
       frames.initial();
     Checkpoints<dim> checkpoints(

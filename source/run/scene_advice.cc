@@ -2,11 +2,10 @@
 #include <deal.II/base/utilities.h>
 
 #include <emmy/base/text.h>
-#include <emmy/effects/advice.h>
-#include <emmy/effects/field_load.h>
 #include <emmy/effects/starved_nodes.h>
 #include <emmy/particles/particle_layout.h>
 #include <emmy/run/cheaper.h>
+#include <emmy/run/effect_advice.h>
 #include <emmy/run/load_waves.h>
 #include <emmy/run/scene_advice.h>
 
@@ -104,20 +103,6 @@ namespace emmy
         }
     }
 
-    /** Of all bodies alike, m/s^2. */
-    template <int dim>
-    dealii::Tensor<1, dim>
-    acceleration(const SceneParameters<dim> &parameters)
-    {
-      dealii::Tensor<1, dim> g;
-      for (const std::string &name : parameters.effect_names.names)
-        if (const auto *uniform =
-              dynamic_cast<const UniformAcceleration<dim> *>(
-                parameters.effects.at(name).get()))
-          g += uniform->vector();
-      return g;
-    }
-
     /** Bodies that their own weight would crush. */
     template <int dim>
     void
@@ -126,7 +111,7 @@ namespace emmy
                  std::ostream               &out)
     {
       constexpr double             largest_strain = 0.2;
-      const dealii::Tensor<1, dim> g              = acceleration(parameters);
+      const dealii::Tensor<1, dim> g = common_acceleration(parameters);
       for (unsigned int b = 0; b < scene.bodies.size(); ++b)
         {
           if (!scene.material_of_body[b]->parameters().empty())
@@ -299,72 +284,6 @@ namespace emmy
       return result;
     }
 
-    /** What is known beforehand. Collective. */
-    template <int dim>
-    BeforeTheRun<dim>
-    before_the_run(const Scene<dim>           &scene,
-                   const SceneParameters<dim> &parameters)
-    {
-      BeforeTheRun<dim>                   run{{},
-                            scene.grid.lower_corner(),
-                            scene.grid.upper_corner(),
-                            parameters.time.end_time,
-                            0.,
-                            scene.balance.gives_motion() ||
-                              !scene.started.path.empty(),
-                            scene.grid.communicator()};
-      std::vector<dealii::Tensor<1, dim>> half;
-      for (const Body<dim> &body : scene.bodies)
-        half.push_back(initial_half_length(body, scene.grid));
-      const unsigned int body = scene.layout["body"],
-                         v    = scene.layout["velocity"];
-      double fastest          = 0.;
-      for (const auto &particle : scene.particles)
-        {
-          const auto             properties = particle.get_properties();
-          const auto            &l          = half[properties[body]];
-          dealii::Tensor<1, dim> velocity;
-          for (unsigned int d = 0; d < dim; ++d)
-            velocity[d] = properties[v + d];
-          fastest = std::max(fastest, velocity.norm());
-          for (unsigned int corner = 0; corner < (1u << dim); ++corner)
-            {
-              run.corners.push_back(particle.get_location());
-              for (unsigned int d = 0; d < dim; ++d)
-                run.corners.back()[d] += corner >> d & 1 ? l[d] : -l[d];
-            }
-        }
-      run.flight =
-        run.end_time * (dealii::Utilities::MPI::max(fastest, run.communicator) +
-                        0.5 * acceleration(parameters).norm() * run.end_time);
-      return run;
-    }
-
-    /** What effects have to say of the scene. Collective. */
-    template <int dim>
-    void
-    tell_advice(const Scene<dim>           &scene,
-                const SceneParameters<dim> &parameters,
-                std::ostream               &out)
-    {
-      const auto &names = parameters.effect_names.names;
-      for (const std::string &name : names)
-        {
-          const auto *adviser = dynamic_cast<const Adviser<dim> *>(
-            parameters.effects.at(name).get());
-          if (!adviser)
-            continue;
-          BeforeTheRun<dim> run = before_the_run(scene, parameters);
-          for (const std::string &other : names)
-            run.is_moved_otherwise =
-              run.is_moved_otherwise ||
-              (other != name && !dynamic_cast<const UniformAcceleration<dim> *>(
-                                  parameters.effects.at(other).get()));
-          for (const std::string &note : adviser->advice(run))
-            out << "  note: " << note << '\n';
-        }
-    }
-
     /** How many nodes starve at the start, and where one is. Collective. */
     template <int dim>
     void
@@ -412,17 +331,21 @@ namespace emmy
 
     template <int dim>
     void
-    tell_cheaper(const SceneParameters<dim> &parameters,
-                 const Counts<dim>          &counts,
-                 const StepReport           &initial,
-                 std::ostream               &out)
+    tell_sizes(const Scene<dim>           &scene,
+               const SceneParameters<dim> &parameters,
+               const Counts<dim>          &counts,
+               const StepReport           &initial,
+               std::ostream               &out)
     {
       const double in_cell = initial.totals.particles / double(counts.cells);
       line(out, "particles a cell") << brief(in_cell) << '\n';
       if (in_cell < 1.5)
         out << "  note: with one particle in a cell some motions of the nodes "
-               "have neither mass nor strain: Newton takes many iterations, "
-               "and may stall. Take 2 Points per direction\n";
+               "have neither mass nor strain: "
+            << (scene.balance.has(starved_nodes_effect)
+                  ? "nodes move as those of cells twice as large"
+                  : "Newton takes many iterations, and may stall")
+            << ". Take 2 Points per direction\n";
       constexpr double enough = dim == 2 ? 16. : 64.;
       if (in_cell > 1.2 * enough)
         out << "  note: 4 particles in each direction of a cell are enough for "
@@ -469,8 +392,8 @@ namespace emmy
              "round-off decides to which cell they belong. Shift the grid or "
              "the body by a part of a cell, or take other Points per "
              "direction\n";
-    tell_advice(scene, parameters, out);
-    tell_cheaper(parameters, counts, initial, out);
+    tell_effect_advice(scene, parameters, out);
+    tell_sizes(scene, parameters, counts, initial, out);
     tell_cheaper_settings(scene,
                           parameters,
                           initial,

@@ -306,7 +306,9 @@ namespace emmy
     /**
      * GMRES with ILU, and LU where that fails: matrices with weakly filled
      * nodes can be too much for a preconditioner. What follows such a matrix is
-     * like it, so LU stays for a while. Matrices that are too large to
+     * like it, so LU stays for a while: the longer, the more often GMRES has
+     * failed in this run, since LU of a large matrix in space takes as long as
+     * hundreds of iterations. Matrices that are too large to
      * factorise are left to GMRES alone.
      */
     class AutomaticSolver : public LinearSolver
@@ -391,9 +393,11 @@ namespace emmy
       {
         if (matrix->m() > largest_direct)
           return failure;
+        constexpr unsigned int longest = 50;
         ++state.n_failures;
-        is_direct           = true;
-        state.n_direct_left = 50;
+        is_direct = true;
+        state.n_direct_left =
+          state.n_failures < 6 ? 1u << state.n_failures : longest;
         return direct.prepare(*matrix);
       }
 
