@@ -111,12 +111,14 @@ namespace emmy::gnuplot
     // The names reach the shell as arguments $1 and $2, never as text that
     // it would read. It changes to the folder, since the scripts name their
     // data relative to it. Without -d the user's own settings would interfere.
-    std::string shell    = "/bin/sh";
-    std::string option   = "-c";
-    std::string command  = "cd -- \"$1\" 2>/dev/null && exec gnuplot -d \"$2\" "
-                           "</dev/null >>gnuplot.log 2>&1";
-    std::string absolute = fs::absolute(folder, error).string();
-    std::string script   = name + ".gp";
+    // In another locale gnuplot cannot read that its script is UTF-8.
+    std::string shell  = "/bin/sh";
+    std::string option = "-c";
+    std::string command =
+      "cd -- \"$1\" 2>/dev/null && exec env LC_ALL=C.UTF-8 gnuplot -d "
+      "\"$2\" </dev/null >>gnuplot.log 2>&1";
+    std::string absolute    = fs::absolute(folder, error).string();
+    std::string script      = name + ".gp";
     char *const arguments[] = {shell.data(),
                                option.data(),
                                command.data(),

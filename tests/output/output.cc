@@ -456,6 +456,7 @@ main(int argc, char **argv)
 {
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   dealii::deal_II_exceptions::disable_abort_on_exception();
+  setenv("LC_ALL", "C", 1); // pictures are right in any locale
 
   const unsigned int n_ranks = dealii::Utilities::MPI::n_mpi_processes(world);
   const std::string  folder =
