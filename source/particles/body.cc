@@ -304,6 +304,7 @@ namespace emmy
       if (!table.velocities.empty())
         velocity += table.velocities[row];
     }
+
     /** What is wrong with the velocity of a body at a point, or empty. */
     template <int dim>
     std::string
@@ -338,6 +339,7 @@ namespace emmy
                    "enlarge the grid (Grid/Lower corner, Upper corner), "
                    "move the body, or name that side in its <Cut by>.");
     const auto fillings = find_points(bodies, grid);
+
     // ids that are unique over the ranks
     unsigned long n_local = 0;
     for (const Filling<dim> &filling : fillings)
