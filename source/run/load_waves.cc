@@ -2,6 +2,7 @@
 #include <emmy/base/formula.h>
 #include <emmy/base/text.h>
 #include <emmy/effects/time_history.h>
+#include <emmy/run/card_line.h>
 #include <emmy/run/load_waves.h>
 
 #include <algorithm>
@@ -14,9 +15,6 @@ namespace emmy
 {
   namespace
   {
-    /** Cells in a wave, and steps in a period, that show it well. */
-    constexpr double cells_per_wave = 10., steps_per_period = 10.;
-
     /** What goes one way, from one sample to another. */
     struct Stretch
     {
@@ -208,8 +206,7 @@ namespace emmy
     const auto               tell = [&](const std::string &words) {
       if (std::count(told.begin(), told.end(), words) > 0)
         return; // components of one thing
-      out << "  " << std::left << std::setw(22)
-          << (told.empty() ? "waves of loads" : "") << words << '\n';
+      card_line(out, told.empty() ? "waves of loads" : "") << words << '\n';
       told.push_back(words);
     };
     for (const TimeHistory &history : histories_of(scene, parameters))

@@ -4,6 +4,7 @@
 #include <emmy/base/text.h>
 #include <emmy/effects/starved_nodes.h>
 #include <emmy/particles/particle_layout.h>
+#include <emmy/run/card_line.h>
 #include <emmy/run/cheaper.h>
 #include <emmy/run/effect_advice.h>
 #include <emmy/run/load_waves.h>
@@ -11,23 +12,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
-#include <ostream>
 #include <set>
 
 namespace emmy
 {
   namespace
   {
-    /** Steps in a period, and cells in a wave, that show it well. */
-    constexpr double steps_per_period = 10., cells_per_wave = 8.;
-
-    std::ostream &
-    line(std::ostream &out, const std::string &what)
-    {
-      return out << "  " << std::left << std::setw(22) << what;
-    }
-
     template <int dim>
     double
     smallest(const dealii::Tensor<1, dim> &h)
@@ -52,7 +42,7 @@ namespace emmy
             std::sqrt(scene.material_of_body[b]->p_wave_modulus() /
                       scene.bodies[b].density);
           const double by_step = steps_per_period * speed * initial.time_step;
-          line(out, b == 0 ? "shortest waves" : "")
+          card_line(out, b == 0 ? "shortest waves" : "")
             << "body " << scene.bodies[b].name << ": P-waves run "
             << brief(speed) << " m/s, " << brief(speed * initial.time_step / h)
             << " cells a step; " << steps_per_period
@@ -254,8 +244,8 @@ namespace emmy
             counts.at_side[side] == 0)
           idle.push_back(side_names(dim)[side]);
       if (!idle.empty())
-        line(out, "walls") << join(idle)
-                           << ": no body lies in their cells at the start\n";
+        card_line(out, "walls")
+          << join(idle) << ": no body lies in their cells at the start\n";
     }
 
     /** Nodes that follow others, by the bodies that reach them. */
@@ -317,7 +307,7 @@ namespace emmy
             all.insert(of_rank[b].begin(), of_rank[b].end());
           if (all.empty())
             continue;
-          line(out, is_first ? "starved at the start" : "")
+          card_line(out, is_first ? "starved at the start" : "")
             << "body " << scene.bodies[b].name << ": " << all.size()
             << " follow others, the first at (";
           for (unsigned int d = 0; d < dim; ++d)
@@ -326,7 +316,7 @@ namespace emmy
           is_first = false;
         }
       if (is_first)
-        line(out, "starved at the start") << "none\n";
+        card_line(out, "starved at the start") << "none\n";
     }
 
     template <int dim>
@@ -338,7 +328,7 @@ namespace emmy
                std::ostream               &out)
     {
       const double in_cell = initial.totals.particles / double(counts.cells);
-      line(out, "particles a cell") << brief(in_cell) << '\n';
+      card_line(out, "particles a cell") << brief(in_cell) << '\n';
       if (in_cell < 1.5)
         out << "  note: with one particle in a cell some motions of the nodes "
                "have neither mass nor strain: "
@@ -419,13 +409,15 @@ namespace emmy
     double n_steps = std::ceil(parameters.time.end_time / report.time_step);
     if (parameters.time.maximum_steps > 0)
       n_steps = std::min<double>(n_steps, parameters.time.maximum_steps);
-    line(out, "first step made")
+    card_line(out, "first step made")
       << brief(seconds) << " s, " << report.newton_iterations
       << " Newton iterations; " << n_steps << " such steps take "
       << brief(n_steps * seconds) << " s\n";
-    line(out, "") << "steps get shorter and need more iterations where bodies "
-                     "meet or fold; files and pictures come on top\n";
-    line(out, "memory") << brief(megabytes) << " MB by then, on all ranks\n";
+    card_line(out, "")
+      << "steps get shorter and need more iterations where bodies "
+         "meet or fold; files and pictures come on top\n";
+    card_line(out, "memory")
+      << brief(megabytes) << " MB by then, on all ranks\n";
   }
 
   template void

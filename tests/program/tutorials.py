@@ -151,14 +151,18 @@ def main():
     write = "--write" in arguments
     built = arguments[arguments.index("--built") + 1] if "--built" in arguments else ""
     root, build, cmake, launcher = [os.path.abspath(a) if i < 2 else a for i, a in enumerate(arguments[:4])]
-    with tempfile.TemporaryDirectory() as folder:
+    # beside emmy's own, so that a compiler cache finds the same paths in any checkout
+    with tempfile.TemporaryDirectory(dir=build) as folder:
         os.symlink(os.path.join(root, "doc"), os.path.join(folder, "doc"))
         target = os.path.join(folder, "build-tutorials")
         if built:
             os.symlink(os.path.abspath(built), target)
         else:
+            with open(os.path.join(build, "CMakeCache.txt"), encoding="utf-8") as file:
+                launcher_of_compiler = re.findall(r"^CMAKE_CXX_COMPILER_LAUNCHER:\w+=(.+)$", file.read(), re.M)
             for command in [[cmake, "-S", "doc/tutorials", "-B", "build-tutorials", "-Demmy_DIR=" + build,
-                             "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON"], [cmake, "--build", "build-tutorials"]]:
+                             "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON",
+                             *("-DCMAKE_CXX_COMPILER_LAUNCHER=" + name for name in launcher_of_compiler)], [cmake, "--build", "build-tutorials"]]:
                 status, out, err = run(command, folder, 1400)
                 check(" ".join(command), status == 0, out[-3000:] + err[-3000:])
         if not failures:

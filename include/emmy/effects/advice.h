@@ -22,7 +22,7 @@ namespace emmy
     /** Whether effects other than the one that is asked, and than uniform
      * accelerations, or fixed sides that move, may move bodies. */
     bool     is_moved_otherwise;
-    MPI_Comm communicator;
+    MPI_Comm communicator; ///< of all ranks
   };
 
   /** What the parameters of an effect are, too, if they can say beforehand that

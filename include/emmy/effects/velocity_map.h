@@ -23,13 +23,14 @@ namespace emmy
   class VelocityMap
   {
   public:
+    /** What is done with the grid's conditions. */
+    using Conditions = typename NodalMatrix<dim>::Conditions;
     /**
      * Solves M~ v = p to round-off, from v on; false: it was not solved.
      * Collective.
      * @param conditions whether the essential ones, and those of followers,
      *   are in force
      */
-    using Conditions = typename NodalMatrix<dim>::Conditions;
     using Solve = std::function<bool(const Conditions conditions, Vector &v)>;
 
     virtual ~VelocityMap() = default;

@@ -39,8 +39,8 @@ namespace emmy
   template <int dim>
   struct GivenStress
   {
-    MandelVector<dim> stress; ///< Pa
-    bool              is_kirchhoff = false;
+    MandelVector<dim> stress;               ///< Pa
+    bool              is_kirchhoff = false; ///< else it is Cauchy's
     double            volume_ratio = 0.; ///< J; 0: of the elastic strain alone
     std::vector<double> history;         ///< as of Material::history()
   };

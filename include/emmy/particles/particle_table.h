@@ -12,7 +12,7 @@ namespace emmy
   /** A file with particles, and which of its rows and columns count. */
   struct TableFile
   {
-    std::string file;
+    std::string file;      ///< its name
     int         body = -1; ///< rows whose column <body> is that; -1: all
     std::vector<std::string> left_out; ///< columns that do not count
     std::string              section;  ///< what messages name
@@ -24,7 +24,7 @@ namespace emmy
   template <int dim>
   struct ParticleTable
   {
-    TableFile                       from;
+    TableFile                       from;      ///< where they were read
     std::vector<dealii::Point<dim>> positions; ///< m
     /** As they are, m^3, in plane strain m^2; positive. */
     std::vector<double> volumes;

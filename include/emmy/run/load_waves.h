@@ -7,6 +7,9 @@
 
 namespace emmy
 {
+  /** Cells in a wave, and steps in a period, that show it well. */
+  constexpr double cells_per_wave = 10., steps_per_period = 10.;
+
   /** How fast something that is given over time changes. */
   struct FastestChange
   {

@@ -24,6 +24,7 @@ namespace emmy
   class MassSolver
   {
   public:
+    /** What is done with the grid's conditions. */
     using Conditions = typename NodalMatrix<dim>::Conditions;
 
     /**

@@ -37,7 +37,8 @@ namespace emmy
     /** On rank 0: see Pictures::memory(). */
     std::vector<double> pictures;
     /** On rank 0: what the film of the report shows, and so far. */
-    std::string                                        film_label;
+    std::string film_label;
+    /** Its pictures: times, s, and numbers. */
     std::vector<std::pair<double, std::vector<float>>> film;
   };
 

@@ -21,6 +21,7 @@ namespace emmy
   class NodalMatrix
   {
   public:
+    /** What is done with the grid's conditions. */
     using Conditions = typename NodeGraph<dim>::Conditions;
 
     /** Zero, on the nodes of a grid with matrices. */
@@ -31,6 +32,7 @@ namespace emmy
     void
     add(const unsigned int *nodes, const dealii::FullMatrix<double> &block);
 
+    /** Whose nodes it has. */
     const ActiveGrid<dim> &
     grid() const
     {

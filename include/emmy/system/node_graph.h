@@ -67,10 +67,11 @@ namespace emmy
      * first + n) of all pairs. */
     struct Row
     {
-      const unsigned int *nodes;
-      unsigned int        n;
-      std::size_t         first;
+      const unsigned int *nodes; ///< the first of them
+      unsigned int        n;     ///< how many
+      std::size_t         first; ///< of all pairs
     };
+    /** Of a local node. */
     Row
     row(const unsigned int node) const
     {
@@ -78,6 +79,7 @@ namespace emmy
               static_cast<unsigned int>(first[node + 1] - first[node]),
               first[node]};
     }
+    /** Of all local nodes. */
     std::size_t
     n_pairs() const
     {
