@@ -54,7 +54,7 @@ namespace emmy
              const std::vector<Fact>        &facts)
       {
         const Result result = run_file(suite, variant, file, settings);
-        suite.at_least("runs to the end", result.has_ended, 1);
+        suite.must_end(result);
         for (const Fact &fact : facts)
           suite.is(fact.what, found(result, fact), fact.right, fact.tolerance);
       }

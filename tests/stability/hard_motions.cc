@@ -95,7 +95,7 @@ namespace emmy
                                   remedy.settings);
               const auto result = suite.run<2>(
                 "block, " + std::to_string(factor) + " x" + remedy.name, run);
-              suite.at_least("runs to the end", result.has_ended, 1);
+              suite.must_end(result);
             }
       }
 
@@ -352,7 +352,7 @@ namespace emmy
         run.settings      = settings;
         run.prepare       = strain<2>(b);
         const auto result = suite.run<2>(name, run);
-        suite.at_least("runs to the end", result.has_ended, 1);
+        suite.must_end(result);
         suite.at_most("iterations", result.most_iterations, most_iterations);
         suite.at_most("work of residuals, of the energy",
                       result.residual_work,

@@ -290,7 +290,7 @@ namespace emmy
                 run.with_conditions = true;
                 run.is_stabilised   = !remedy.settings.empty();
                 const auto result   = suite.run<2>(name + remedy.name, run);
-                suite.at_least("runs to the end", result.has_ended, 1);
+                suite.must_end(result);
                 if (remedy.settings.empty())
                   {
                     suite.at_least("condition of the mass",
@@ -316,7 +316,7 @@ namespace emmy
                                  "Bodies/block/box/Upper corner=3, 3"};
         alone.with_conditions = true;
         const auto result     = suite.run<2>("lone particle", alone);
-        suite.at_least("runs to the end", result.has_ended, 1);
+        suite.must_end(result);
         suite.at_most("change of its momentum", result.linear_momentum, 1e-13);
       }
 
@@ -333,7 +333,7 @@ namespace emmy
         run.file           = "paper/" + file;
         run.is_stabilised  = false;
         const auto without = suite.run<2>(file + ", nothing", run);
-        suite.at_least("runs to the end", without.has_ended, 1);
+        suite.must_end(without);
         suite.at_least("iterations", without.most_iterations, fewest_without);
 
         run.is_stabilised = true;

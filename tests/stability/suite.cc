@@ -74,7 +74,9 @@ namespace emmy
     Suite::close_case()
     {
       if (!bounds.empty())
-        page += "\nMeasured, and what the test allows:\n" + bounds + "\n";
+        page += "\n<details>\n<summary>Measured, and what the test "
+                "allows</summary>\n" +
+                bounds + "\n\n</details>\n";
       bounds.clear();
       bound_variant.clear();
     }
@@ -171,13 +173,19 @@ namespace emmy
     }
 
     void
+    Suite::must_end(const Result &result) const
+    {
+      test::check(result.has_ended, last_variant + ": it runs to the end");
+    }
+
+    void
     check_stable(Suite             &suite,
                  const Remedy      &remedy,
                  const Result      &result,
                  const unsigned int most_iterations,
                  const double       most_lost)
     {
-      suite.at_least("runs to the end", result.has_ended, 1);
+      suite.must_end(result);
       suite.at_most("iterations", result.most_iterations, most_iterations);
       suite.at_most("ghost losses, of the energy",
                     result.lost,

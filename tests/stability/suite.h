@@ -127,6 +127,9 @@ namespace emmy
       std::vector<Result>
       run_all(const std::string &variant, const std::vector<Run<dim>> &runs);
 
+      /** The last run must have reached its end, as its row says. */
+      void
+      must_end(const Result &result) const;
       /** State a bound of the last run, print what was measured, check it. */
       void
       at_most(const std::string &what, const double value, const double bound);
