@@ -74,11 +74,13 @@ namespace emmy
     std::vector<std::size_t>
     order_by_cells(const Places<dim> &places)
     {
+      // of points of one cell
+      std::vector<std::pair<unsigned int, dealii::types::particle_index>> keys;
+      keys.reserve(places.size());
+      for (std::size_t i = 0; i < places.size(); ++i)
+        keys.emplace_back(places.bodies[i], places.particles[i]->get_id());
       const auto is_before = [&](const std::size_t i, const std::size_t j) {
-        if (places.cells[i] != places.cells[j])
-          return places.cells[i] < places.cells[j];
-        return std::make_pair(places.bodies[i], places.particles[i]->get_id()) <
-               std::make_pair(places.bodies[j], places.particles[j]->get_id());
+        return keys[i] < keys[j];
       };
       // particles of a cell stand together already: sort their runs first
       std::vector<std::pair<std::size_t, std::size_t>> runs;
