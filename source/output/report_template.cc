@@ -146,16 +146,28 @@ function colour(part)
 function showFilm(film)
 {
   const dim = film.dim, canvas = find('#film canvas'), pen = canvas.getContext('2d');
-  const frames = film.frames.map(frame => {
-    const bytes = atob(frame.data), n = bytes.length / 2, codes = new Float64Array(n);
+  // the number that is drawn stays between 0 and 1
+  function numbers(text, ranges)
+  {
+    const bytes = atob(text), n = bytes.length / 2, codes = new Float64Array(n);
     for (let i = 0; i < n; ++i)
       {
-        const [low, high] = film.ranges[i % (dim + 1)], code = bytes.charCodeAt(2 * i) + 256 * bytes.charCodeAt(2 * i + 1);
-        codes[i] = i % (dim + 1) === dim ? code / 65535 : low + (high - low) * code / 65535;
+        const c = i % ranges.length, [low, high] = c < dim ? ranges[c] : [0, 1];
+        codes[i] = low + (high - low) * (bytes.charCodeAt(2 * i) + 256 * bytes.charCodeAt(2 * i + 1)) / 65535;
       }
     return codes;
-  });
-  const low = film.ranges.slice(0, dim).map(r => r[0]), high = film.ranges.slice(0, dim).map(r => r[1]);
+  }
+  const frames = film.frames.map(frame => numbers(frame.data, film.ranges)),
+    lines = film.frames.map(frame => numbers(frame.lines, film.line_ranges)), hasLines = lines.some(line => line.length);
+  // all particles, and of surfaces what is near
+  const low = film.ranges.slice(0, dim).map(r => r[0]), high = film.ranges.slice(0, dim).map(r => r[1]),
+    near = 0.15 * Math.max(...low.map((x, d) => high[d] - x));
+  if (hasLines)
+    for (let d = 0; d < dim; ++d)
+      {
+        low[d] = Math.min(low[d], Math.max(low[d] - near, film.line_ranges[d][0]));
+        high[d] = Math.max(high[d], Math.min(high[d] + near, film.line_ranges[d][1]));
+      }
   const middle = low.map((x, d) => (x + high[d]) / 2), size = Math.hypot(...low.map((x, d) => high[d] - x)) || 1;
   // how far particles are from their nearest ones at the start: the median of some
   const spacing = (codes => {
@@ -199,6 +211,17 @@ function showFilm(film)
         pen.fillStyle = colour(point[3]);
         pen.fillRect(canvas.width / 2 + factor * point[0] - side / 2, canvas.height / 2 - factor * point[1] - side / 2, side, side);
       }
+    pen.strokeStyle = dim === 2 ? '#333' : 'rgba(60, 60, 60, 0.45)';
+    pen.lineWidth = dim === 2 ? 3 : 1;
+    pen.beginPath();
+    for (let i = 0; i < lines[now].length; i += 2 * dim)
+      for (const [end, draw] of [[i, 'moveTo'], [i + dim, 'lineTo']])
+        {
+          const point = project(lines[now], end);
+          pen[draw](canvas.width / 2 + factor * point[0], canvas.height / 2 - factor * point[1]);
+        }
+    pen.stroke();
+    document.body.dataset.lines = lines[now].length / (2 * dim);
     find('#moment').textContent = 't = ' + brief(film.frames[now].time) + ' s';
     find('#extremes').textContent = '(in this frame ' + film.frames[now].extremes.map(brief).join(' to ') + ')';
     find('#frame').value = now;

@@ -189,7 +189,10 @@ namespace emmy
       {
         const Drawn drawn = gather_drawn(max_film_particles);
         if (is_first)
-          animation->add<dim>(time, drawn.positions, drawn.values);
+          animation->add<dim>(time,
+                              drawn.positions,
+                              drawn.values,
+                              surfaces(time));
       }
     state.last_frame = time;
     ++state.n_frames;

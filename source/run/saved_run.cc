@@ -49,6 +49,14 @@ namespace boost
 
     template <class Archive>
     void
+    serialize(Archive &archive, emmy::FilmFrame &frame, unsigned int)
+    {
+      auto &[time, points, lines] = frame;
+      archive &time &points &lines;
+    }
+
+    template <class Archive>
+    void
     serialize(Archive &archive, emmy::FramesState &state, unsigned int)
     {
       auto &[intervals,

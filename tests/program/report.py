@@ -6,7 +6,9 @@ film, the words of the scene; and a run without the library that draws.
 
 Without Chromium the test is skipped, and says so; where CI is set it fails."""
 
+import base64
 import csv
+import json
 import os
 import re
 import shutil
@@ -75,6 +77,19 @@ def main():
     check("--overwrite" in dom and "parameters.prm" in dom, "it says how to repeat the run")
     check(re.search(r"<td>Newton", dom) or "internal force" in dom, "it says where the time went")
     check("http" not in dom, "nothing comes from the network")
+
+    check('data-lines="0"' in body, "without tools there are no lines")
+    wall = "Effects/Tools/wall/"
+    tool = run("tool", "Effects/Names=gravity, tools", "Effects/Tools/Names=wall", wall + "Shape=plane",
+               wall + "Reference point=3.1, 0", wall + "plane/Normal=-1, 0")
+    check(tool.returncode == 0, "a run with a tool ends well")
+    shown = json.loads(re.search(r'"film":(\{.*?\]\})', open("tool/report.html").read()).group(1))
+    codes = [base64.b64decode(frame["lines"]) for frame in shown["frames"]]
+    low, high = shown["line_ranges"][0]
+    places = [low + (high - low) * int.from_bytes(code[i:i + 2], "little") / 65535
+              for code in codes for i in range(0, len(code), 4)]
+    check(len(codes) == 5 and all(codes) and all(abs(x - 3.1) < 1e-6 for x in places), "its film has the tool, in its place")
+    check(f'data-lines="{len(codes[-1]) // 8}"' in dom_of(browser, "tool/report.html"), "and the page draws it")
 
     bare = run("bare", environment={"EMMY_DYGRAPHS": "/nowhere"})
     check(bare.returncode == 0 and "libjs-dygraphs" in bare.stdout, "without the library a run ends well and says so")

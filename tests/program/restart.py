@@ -285,7 +285,7 @@ def damage():
     refuses("another version", "--restart", "run", because="was written by emmy 9.1.0, and this is emmy")
     for folder in (newest, older):
         seal_again(f"{folder}/head", lambda data: data[:16] + struct.pack("<I", 77) + data[20:])
-    refuses("another format", "--restart", "run", because="has format 77, and this emmy reads format 2")
+    refuses("another format", "--restart", "run", because="has format 77, and this emmy reads format 3")
     reference_and_run()
     for change, name in ((lambda text: text.replace(b"\n7,", b"\n8,"), "has no row of step 7"),
                          (lambda text: text[:900], "ends before step 12"),

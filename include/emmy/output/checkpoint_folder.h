@@ -35,7 +35,7 @@ namespace emmy
   {
   public:
     /** Of what is written now; older emmys refuse newer numbers. */
-    static constexpr unsigned int format = 2;
+    static constexpr unsigned int format = 3;
 
     /** @param directory the results of the run */
     CheckpointFolder(const std::string &directory, const MPI_Comm communicator);

@@ -3,6 +3,7 @@
 
 #include <deal.II/particles/particle_handler.h>
 
+#include <emmy/base/film_frame.h>
 #include <emmy/effects/step_report.h>
 #include <emmy/solve/linear_solver.h>
 
@@ -38,8 +39,8 @@ namespace emmy
     std::vector<double> pictures;
     /** On rank 0: what the film of the report shows, and so far. */
     std::string film_label;
-    /** Its pictures: times, s, and numbers. */
-    std::vector<std::pair<double, std::vector<float>>> film;
+    /** Its pictures. */
+    std::vector<FilmFrame> film;
   };
 
   /** How often steps were hard to make. */
