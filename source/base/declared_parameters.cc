@@ -147,7 +147,11 @@ namespace emmy
            (is_section ? "Known sections " : "Known ") +
            (home.empty() ? "at the top level"
                          : "in <" + join(home, "/") + ">") +
-           ": " + (known.empty() ? "none" : join(known)) + "." +
+           ": " +
+           (!known.empty() ? join(known)
+            : is_section   ? "none; remove it, up to its <end>"
+                           : "none") +
+           "." +
            (is_section && find(home, "Names", false)
               ? " A new name must stand in <" + join(home, "/") + "/Names>."
               : "");

@@ -139,6 +139,32 @@ namespace emmy
       std::string where, what, remedy;
     };
 
+    std::string
+    named_value(const Path        &section,
+                const std::string &name,
+                const std::string &value)
+    {
+      return "parameter <" + full_name(section, name) + "> is <" + value + ">";
+    }
+
+    Problem
+    wrong_value(const std::string                     &where,
+                const std::string                     &what,
+                const DeclaredParameters::Declaration &entry)
+    {
+      return {where,
+              what,
+              "it must be " + in_words(entry.pattern) + ". " +
+                entry.documentation};
+    }
+
+    bool
+    is_value_of(const std::string &pattern, const std::string &value)
+    {
+      return dealii::Patterns::pattern_factory(pattern)->match(
+        as_declared(value, pattern));
+    }
+
     /** Throw all problems, if any, as one ExcRun in its own layout. */
     void
     throw_all(const std::vector<Problem> &problems)
@@ -331,14 +357,26 @@ namespace emmy
           {where,
            (opens ? "unknown section <" : "unknown parameter <") + path + ">",
            declared.remedy_for_unknown(section, name, opens)});
+    // one reading tells of wrong values beside them, and sets nothing
+    if (!problems.empty())
+      for (const Statement &statement : statements)
+        if (const auto *entry =
+              statement.opens_section ||
+                  !declared.has_section(statement.section)
+                ? nullptr
+                : declared.find(statement.section, statement.name, false);
+            entry && !is_value_of(entry->pattern, statement.value))
+          problems.push_back(wrong_value(
+            statement.where,
+            named_value(statement.section, statement.name, statement.value),
+            *entry));
     throw_all(problems);
 
     for (const auto &[section, name, value, where, opens] : statements)
       {
         if (opens)
           continue;
-        const std::string what =
-          "parameter <" + full_name(section, name) + "> is <" + value + ">";
+        const std::string what = named_value(section, name, value);
 
         for (const std::string &one : section)
           prm.enter_subsection(one);
@@ -350,11 +388,8 @@ namespace emmy
           }
         catch (const dealii::ParameterHandler::ExcValueDoesNotMatchPattern &)
           {
-            const auto &entry = *declared.find(section, name, false);
-            problems.push_back({where,
-                                what,
-                                "it must be " + in_words(entry.pattern) + ". " +
-                                  entry.documentation});
+            problems.push_back(
+              wrong_value(where, what, *declared.find(section, name, false)));
           }
         catch (const dealii::ExceptionBase &error) // from the entry's action
           {

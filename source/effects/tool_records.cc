@@ -81,7 +81,12 @@ namespace emmy
            (holds ? "holds " + std::to_string(n_near) + " corners, " : "") +
            (deepest > touching
               ? "overlaps bodies by up to " + brief(deepest) +
-                  " of their spacing, which stores " + brief(stored) + " J, "
+                  " of their spacing, which stores " + brief(stored) + " J" +
+                  (deepest > 0.5 && !holds
+                     ? " and throws them off: put its Reference point where it "
+                       "just touches; a normal leads out of the tool, an axis "
+                       "into it; "
+                     : ", ")
               : "") +
            "stiffness " + brief(tool.stiffness) +
            " M/s: a pressure of 1 % of the P-wave modulus M sinks in by " +

@@ -120,7 +120,9 @@ function drawAll()
     ' Every ' + run.thinned + 'th row is drawn; ledger.csv has all.' : '');
   find('#any').hidden = false;
   const select = find('#any select');
-  select.innerHTML = run.columns.slice(1).map(name => '<option>' + escape(name) + '</option>').join('');
+  const named = run.columns.filter(name => name !== 'step' && name !== 'time'), shown = groups.flatMap(group => group[1]);
+  select.innerHTML = named.map(name => '<option>' + escape(name) + '</option>').join('');
+  select.value = named.find(name => !shown.includes(name)) || named[0];
   const redraw = () => draw(find('#any .curves'), '', [select.value], '');
   select.onchange = redraw;
   redraw();

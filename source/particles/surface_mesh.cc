@@ -119,9 +119,13 @@ namespace emmy
       Surface surface;
       // joins equal corners, splits polygons' edges where many meet, orients
       const bool is_read = PMP::IO::read_polygon_mesh(file, surface);
-      require(is_read && surface.number_of_faces() > 0,
+      require(is_read,
               "no surface could be read from it. STL, OBJ, PLY and OFF are "
               "known, by their endings .stl, .obj, .ply and .off");
+      require(surface.number_of_faces() > 0,
+              "it holds no triangles. Programs leave out what was not chosen: "
+              "Gmsh writes the physical groups alone, if there are any, unless "
+              "Mesh.SaveAll = 1");
       for (const auto vertex : surface.vertices())
         {
           const auto &x         = surface.point(vertex);

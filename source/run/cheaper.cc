@@ -1,5 +1,6 @@
 #include <emmy/effects/field_load.h>
 #include <emmy/run/cheaper.h>
+#include <emmy/run/load_waves.h>
 
 #include <algorithm>
 #include <cmath>
@@ -81,7 +82,7 @@ namespace emmy
     const unsigned int n_ranks =
       dealii::Utilities::MPI::n_mpi_processes(scene.grid.communicator());
     const Setting settings[] = {
-      {is_dynamic,
+      {is_dynamic && bodies_without_waves(scene, initial.time_step).empty(),
        "steps twice as large",
        "0.5 of the time; errors x 1.5 in a collision, x 4 where only steps "
        "make them"},

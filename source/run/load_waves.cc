@@ -151,6 +151,27 @@ namespace emmy
     }
   } // namespace
 
+  template <int dim>
+  std::vector<unsigned int>
+  bodies_without_waves(const Scene<dim> &scene, const double time_step)
+  {
+    const auto size = scene.grid.upper_corner() - scene.grid.lower_corner();
+    std::vector<unsigned int> bodies;
+    for (unsigned int b = 0; b < scene.bodies.size(); ++b)
+      {
+        const auto box    = scene.bodies[b].shape->bounding_box();
+        double     length = 0.;
+        for (unsigned int d = 0; d < dim; ++d)
+          length = std::max(length, std::min(box.side_length(d), size[d]));
+        const double speed =
+          std::sqrt(scene.material_of_body[b]->p_wave_modulus() /
+                    scene.bodies[b].density);
+        if (steps_per_period * speed * time_step > 4. * length)
+          bodies.push_back(b);
+      }
+    return bodies;
+  }
+
   FastestChange
   fastest_change(const std::function<double(double)> &history,
                  const double                         end_time,
@@ -247,6 +268,10 @@ namespace emmy
       }
   }
 
+  template std::vector<unsigned int>
+  bodies_without_waves<2>(const Scene<2> &, const double);
+  template std::vector<unsigned int>
+  bodies_without_waves<3>(const Scene<3> &, const double);
   template void
   tell_load_waves<2>(const Scene<2> &,
                      const SceneParameters<2> &,

@@ -49,6 +49,16 @@ namespace emmy
             << " steps a period resolve waves of " << brief(by_step / h)
             << " cells and more, the grid " << cells_per_wave << '\n';
         }
+      for (const unsigned int b :
+           bodies_without_waves(scene, initial.time_step))
+        out << "  note: such steps do not show even the slowest P-waves of "
+               "body <"
+            << scene.bodies[b].name
+            << ">. That is right for motions that are slow against them. Where "
+               "bodies hit or loads jump take steps of "
+            << brief(h * std::sqrt(scene.bodies[b].density /
+                                   scene.material_of_body[b]->p_wave_modulus()))
+            << " s (normalised, Factor = 1) or less\n";
     }
 
     /** Numbers that fit no solid in SI units. Empty: they may. */

@@ -1,6 +1,8 @@
 #include <deal.II/base/utilities.h>
 
+#include <boost/algorithm/string/classification.hpp>
 #include <boost/algorithm/string/predicate.hpp>
+#include <boost/algorithm/string/trim.hpp>
 
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
@@ -16,7 +18,8 @@ namespace emmy
     using boost::algorithm::iequals;
     using boost::algorithm::starts_with;
 
-    /** Collects the parts of a listing line by line. */
+    /** Collects the parts of a listing line by line. What is said of an entry
+     * stands once, above the first of its name: the tools share many. */
     class TopicParts
     {
     public:
@@ -31,25 +34,34 @@ namespace emmy
         if (starts_with(text, "subsection "))
           {
             enter(text.substr(11));
-            add(line);
+            add(comment + line + "\n");
           }
         else if (starts_with(text, "set "))
           {
-            enter(dealii::Utilities::trim(text.substr(4, text.find('=') - 4)));
-            add(line);
+            const std::string name =
+              dealii::Utilities::trim(text.substr(4, text.find('=') - 4));
+            enter(name);
+            const bool is_new = tell(name);
+            add((is_new ? comment : "") + line + "\n");
             leave();
+          }
+        else if (text.empty() || starts_with(text, "#"))
+          {
+            comment += line + "\n";
+            return;
           }
         else
           {
-            add(line);
+            add(comment + line + "\n");
             if (text == "end")
               leave();
           }
-        comment = starts_with(text, "#") ? comment + line + "\n" : "";
+        comment.clear();
       }
 
       std::string              result;
-      std::vector<std::string> known; ///< names and paths
+      std::vector<std::string> known;              ///< names and paths
+      bool                     leaves_out = false; ///< what was said before
 
     private:
       void
@@ -60,16 +72,29 @@ namespace emmy
         known.insert(known.end(), {whole, name});
         if (shown == 0 && (iequals(whole, topic) || iequals(name, topic)))
           {
-            result += (result.empty() ? "" : "\n") + whole + "\n" + comment;
+            result += (result.empty() ? "" : "\n") + whole + "\n";
+            boost::algorithm::trim_left_if(comment,
+                                           boost::algorithm::is_any_of("\n"));
             shown = path.size();
           }
       }
 
+      /** Whether what is said of an entry was not said before. */
+      bool
+      tell(const std::string &name)
+      {
+        const bool is_new =
+          shown == 0 ||
+          told.insert(name + dealii::Utilities::trim(comment)).second;
+        leaves_out = leaves_out || !is_new;
+        return is_new;
+      }
+
       void
-      add(const std::string &line)
+      add(const std::string &lines)
       {
         if (shown > 0)
-          result += line + "\n";
+          result += lines;
       }
 
       void
@@ -82,9 +107,11 @@ namespace emmy
 
       const std::string        topic;
       std::vector<std::string> path;
-      std::size_t shown = 0; ///< depth of what is shown; 0: nothing
-      std::string comment;   ///< above the line
+      std::size_t           shown = 0; ///< depth of what is shown; 0: nothing
+      std::string           comment;   ///< above the line, with what is blank
+      std::set<std::string> told;      ///< names of entries with what is said
     };
+
     /** Entries whose name or text has the word; empty: none. */
     std::string
     entries_about(const std::string &word, const std::string &listing)
@@ -133,6 +160,9 @@ namespace emmy
       parts.read(line);
     if (parts.result.empty())
       parts.result = entries_about(topic, listing);
+    else if (parts.leaves_out)
+      parts.result +=
+        "\nEntries without a word are as those of the same name above.\n";
     const std::string nearest = nearest_name(topic, parts.known);
     AssertThrow(!parts.result.empty(),
                 ExcRun("Command line",

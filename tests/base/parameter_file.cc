@@ -400,6 +400,8 @@ namespace
     ParameterFile().parse(nothing);
     check_throws_with([&] { text("set A = 1").parse(nothing); },
                       {"Known at the top level: none."});
+    check_throws_with([&] { text("subsection A\nend").parse(nothing); },
+                      {"none; remove it, up to its <end>."});
   }
 
 
@@ -448,6 +450,19 @@ namespace
       {"a.prm, line 1: parameter <Dimension> is <two>",
        "a.prm, line 3: parameter <Time/End time> is <-1>"});
     check(scene.prm.get("Dimension") == "2", "prm is at its top level");
+    // also beside names that nobody knows
+    check_throws_with(
+      [&] {
+        text("set Dimension = two\nset Titel = a\nsubsection Gird\n"
+             "set Force = a\nend\nsubsection Time\nset End time = -1\nend")
+          .parse(scene.prm);
+      },
+      {"a.prm, line 2: unknown parameter <Titel>",
+       "a.prm, line 3: unknown section <Gird>",
+       "a.prm, line 1: parameter <Dimension> is <two>",
+       "it must be a whole number, at least 2, at most 3.",
+       "a.prm, line 7: parameter <Time/End time> is <-1>"});
+    check(scene.prm.get("Dimension") == "2", "nothing is set");
 
     text("subsection Grid\nset Older force = 3\nset Lower corner = 1, 2\nend")
       .parse(scene.prm);

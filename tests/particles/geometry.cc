@@ -149,6 +149,7 @@ namespace
       {
         write_octahedron("closed.stl", false);
         write_octahedron("open.stl", true);
+        std::ofstream("empty.stl") << "solid s\nendsolid s\n"; // as Gmsh may
         std::ofstream("cube.obj")
           << "v 1 1 1\nv 3 1 1\nv 3 3 1\nv 1 3 1\nv 1 1 3\nv 3 1 3\nv 3 3 3\n"
              "v 1 3 3\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\n"
@@ -176,6 +177,9 @@ namespace
     check_throws_with(
       [] { read_surface_mesh("open.stl", 1., "Bodies/b", "File"); },
       {"not closed: 3 edges with one triangle"});
+    check_throws_with(
+      [] { read_surface_mesh("empty.stl", 1., "Bodies/b", "File"); },
+      {"holds no triangles"});
     check_throws_with(
       [] { read_surface_mesh("none.stl", 1., "Bodies/b", "File"); },
       {"no such file"});

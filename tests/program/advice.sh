@@ -140,6 +140,15 @@ has 'the velocity of y-min changes within 0.5 s' "$block" --set "Boundary condit
   --set "Boundary conditions/Fixed=y-min" --set "Boundary conditions/Velocity of y-min=sin(2*pi*t); 0"
 has 'the displacement of tool punch changes within' "$source/prm/examples/punch.prm"
 lacks 'Shape functions = linear' "$source/prm/examples/punch.prm"
+# steps that pass the body of 2 cells: c dt = 5 cells; h/c = 0.0431 s
+has 'slowest P-waves of body <block>' "$block" --set Time/Factor=5
+has 'take steps of 0.0430946 s' "$block" --set Time/Factor=5
+lacks 'steps twice as large' "$block" --set Time/Factor=5
+lacks 'slowest P-waves' "$block" --set Time/Factor=0.75 # 7.5 of 8 cells
+# a plate 0.3 m deep in the cube, whose particles are 0.125 m apart, and the wrong way round
+has 'overlaps bodies by up to 2.4 of their spacing' "$press" --set "Effects/Tools/plate/Reference point=0.5,0.7"
+has 'throws them off' "$press" --set "Effects/Tools/plate/plane/Normal=0, 1"
+lacks 'throws them off' "$press" --set "Effects/Tools/plate/Reference point=0.5,0.99"
 # settings that the scene could take, and no others
 has 'cells twice as large  ' "$block" --set Grid/Cells=80,60
 lacks 'Integrator = explicit' "$block" --set 'Time/Factor=5'

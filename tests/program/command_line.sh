@@ -62,6 +62,10 @@ prints '--help of an entry' '--help=step size'
 check '--help of an entry: where it stands' has_lines 1 "$work/out" '^Time/Step size$'
 check '--help of an entry: what it is' has_lines 1 "$work/out" '^ *# .*Unit: s\.'
 check '--help of an entry: nothing else' has_lines 3 "$work/out"
+prints '--help of tools, which share entries' --help tools
+check '--help of tools: what they share is said once' has_lines 1 "$work/out" "mu of Coulomb's law"
+check '--help of tools: each has it' has_lines 6 "$work/out" 'set Friction coefficient = 0'
+check '--help of tools: it says so' says "$work/out" 'as those of the same name above'
 prints '--help of a word: no section or entry has that name' --help ground
 check '--help of a word: entries that speak of it' has_lines 1 "$work/out" '^Bodies/.*/K0$'
 check '--help of a word: what they say' has_lines 1 "$work/out" 'Of level ground: the horizontal over'

@@ -17,6 +17,13 @@ cd "$work/usr" || exit 1
 check 'the program says its version' sh -c './bin/emmy --version | grep -qx "emmy [0-9.]*"'
 check 'bash completes it' grep -q 'complete -o filenames -F _emmy emmy' share/bash-completion/completions/emmy
 check 'it says how to cite it' grep -q '10.1016/j.jcp.2023.112075' share/doc/emmy/CITATION.cff
+(cd share/doc/emmy && cp prm/examples/block.prm "$work/mine.prm") || failed=1
+(cd "$work" && usr/bin/emmy mine.prm --set "Time/Maximum steps=2" --set Output/Pictures=false) >"$work/log" 2>&1 ||
+  { cat "$work/log"; failed=1; }
+check 'the guide'"'"'s scene is there and runs' [ -s "$work/results/block/report.html" ]
+for link in $(grep -o '](doc/[^)#]*' share/doc/emmy/README.md | cut -c3-); do
+  [ -e "share/doc/emmy/$link" ] || { echo "FAILED: README.md is installed without $link"; failed=1; }
+done
 if command -v help2man >/dev/null; then
   check 'its page of the manual has the options' grep -q 'print\\-parameters' share/man/man1/emmy.1
 else

@@ -65,6 +65,8 @@ def main():
     check('data-curves="8"' in body, "eight pictures of curves")
     check(len(re.findall(r"<canvas", dom)) >= 8 + 1, "each has its canvas")
     check("linear_momentum_x" in dom and "total" in dom and "dygraph-legend" in dom, "curves are named")
+    check(re.search(r"dygraph-legend.*?kinetic_energy_grid_old</span>", dom.split('id="any"')[1], re.S),
+          "the column that one may choose is at first one that no picture has")
     check('data-frames="5"' in body, "the film has five frames")
     # the last frame: how many particles
     check(re.search(r'data-first="[-0-9.e]+ [-0-9.e]+ 64"', body) is not None, "with 64 particles")

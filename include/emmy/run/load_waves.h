@@ -10,6 +10,15 @@ namespace emmy
   /** Cells in a wave, and steps in a period, that show it well. */
   constexpr double cells_per_wave = 10., steps_per_period = 10.;
 
+  /**
+   * The bodies through which waves pass so fast that steps of that length, s,
+   * do not show even the slowest ones along them, of four times their length:
+   * a vector of their numbers.
+   */
+  template <int dim>
+  std::vector<unsigned int>
+  bodies_without_waves(const Scene<dim> &scene, const double time_step);
+
   /** How fast something that is given over time changes. */
   struct FastestChange
   {
