@@ -2,6 +2,7 @@
 #include <emmy/effects/body_contact.h>
 
 #include <algorithm>
+#include <numeric>
 
 namespace emmy
 {
@@ -21,11 +22,23 @@ namespace emmy
     , group_names(std::move(group_names))
     , fields(fields)
     , corners_of_body(std::move(corners))
+    , points_of_body(contact_points(rules))
     , least_margin(rules.largest_reach() / rules.radius *
                    rules.points_per_direction)
     , margin(least_margin)
   {
     found.force.resize(this->group_names.size());
+  }
+
+  template <int dim>
+  std::vector<std::vector<Tensor<1, dim>>>
+  BodyContact<dim>::contact_points(const ContactRules<dim> &rules)
+  {
+    std::vector<std::vector<Tensor<1, dim>>> result(rules.bodies.size());
+    for (unsigned int body = 0; body < result.size(); ++body)
+      for (unsigned int k = 0; k < rules.n_points(); ++k)
+        result[body].push_back(rules.point(body, k));
+    return result;
   }
 
   template <int dim>
@@ -159,6 +172,10 @@ namespace emmy
                                       communicator),
                       margin,
                       here);
+    laws.clear();
+    for (const ParticlePair &pair : candidates.pairs)
+      laws.push_back(rules.law(candidates.particles[pair.first].body,
+                               candidates.particles[pair.second].body));
     is_coupled.assign(candidates.pairs.size(), false);
     exchange.begin(candidates, communicator);
     if (has_friction())
@@ -198,32 +215,12 @@ namespace emmy
       exchange_nodes(grid, couplings);
     find_coupled(stencils.at_middle);
 
-    // numbered by their nodes: the same couplings in any order of particles
-    std::map<NodeIds, unsigned int> lists;
-    for (const Where &candidate : where)
-      lists.emplace(candidate.ids, 0);
-    unsigned int n_lists = 0;
-    for (auto &[ids, number] : lists)
+    find_cliques();
+    for (Clique &clique : cliques)
       {
-        (void)ids;
-        number = n_lists++;
-      }
-    for (Where &candidate : where)
-      candidate.nodes = lists.at(candidate.ids);
-    std::map<std::pair<unsigned int, unsigned int>, std::vector<unsigned int>>
-      by_nodes;
-    for (unsigned int k = 0; k < candidates.pairs.size(); ++k)
-      if (is_coupled[k])
-        by_nodes[{where[candidates.pairs[k].first].nodes,
-                  where[candidates.pairs[k].second].nodes}]
-          .push_back(k);
-    cliques.clear();
-    for (auto &[lists_of_pair, pairs] : by_nodes)
-      {
-        (void)lists_of_pair;
-        const ParticlePair &pair = candidates.pairs[pairs.front()];
-        cliques.push_back({couplings.node_ids.size(), std::move(pairs)});
-        unsigned int n = 0;
+        const ParticlePair &pair = candidates.pairs[clique.pairs.front()];
+        clique.coupled           = couplings.node_ids.size();
+        unsigned int n           = 0;
         for (const unsigned int i : {pair.first, pair.second})
           {
             couplings.node_ids.insert(couplings.node_ids.end(),
@@ -236,6 +233,40 @@ namespace emmy
   }
 
   template <int dim>
+  void
+  BodyContact<dim>::find_cliques()
+  {
+    // numbered by their nodes: the same couplings in any order of particles
+    std::vector<unsigned int> order(where.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::sort(order.begin(), order.end(), [this](const auto i, const auto j) {
+      return is_before(i, j);
+    });
+    unsigned int number = 0;
+    for (std::size_t n = 0; n < order.size(); ++n)
+      {
+        if (n > 0 && is_before(order[n - 1], order[n]))
+          ++number;
+        where[order[n]].nodes = number;
+      }
+    std::vector<std::array<unsigned int, 3>> coupled;
+    for (unsigned int k = 0; k < candidates.pairs.size(); ++k)
+      if (is_coupled[k])
+        coupled.push_back({{where[candidates.pairs[k].first].nodes,
+                            where[candidates.pairs[k].second].nodes,
+                            k}});
+    std::sort(coupled.begin(), coupled.end());
+    cliques.clear();
+    for (std::size_t n = 0; n < coupled.size(); ++n)
+      {
+        const auto &[first, second, k] = coupled[n];
+        if (n == 0 || coupled[n - 1][0] != first || coupled[n - 1][1] != second)
+          cliques.emplace_back();
+        cliques.back().pairs.push_back(k);
+      }
+  }
+
+  template <int dim>
   bool
   BodyContact<dim>::nearly_touch(const ParticlePair &pair) const
   {
@@ -243,7 +274,7 @@ namespace emmy
     constexpr double            slack = 0.25;
     const ContactParticle<dim> &one   = candidates.particles[pair.first],
                                &two   = candidates.particles[pair.second];
-    const double reach                = rules.law(one.body, two.body).reach;
+    const double reach                = rules.reach(one.body, two.body);
     const double near                 = (1. + slack / rules.radius) * reach;
     // places are those of the middle of the step
     const Tensor<1, dim> between = one.place - two.place;
@@ -253,8 +284,9 @@ namespace emmy
                        pair.points.end(),
                        [&](const auto &points) {
                          const Tensor<1, dim> x =
-                           between + one.F * rules.point(one.body, points[0]) -
-                           two.F * rules.point(two.body, points[1]);
+                           between +
+                           one.F * points_of_body[one.body][points[0]] -
+                           two.F * points_of_body[two.body][points[1]];
                          return x.norm_square() < near * near ||
                                 (x + way).norm_square() < near * near;
                        });

@@ -14,7 +14,11 @@ namespace emmy
   WithoutEmptyPairs::operator()(const Matrix &matrix)
   {
     const Epetra_CrsMatrix &all = matrix.trilinos_matrix();
-    find_kept(all);
+    AssertThrow(n == 2 || n == 3, dealii::ExcInternalError());
+    if (n == 2)
+      find_kept<2>(all);
+    else
+      find_kept<3>(all);
     unsigned int known = 0;
     for (; known < last.size(); ++known)
       {
@@ -30,16 +34,20 @@ namespace emmy
       std::swap(last[0], last[1]);
     if (known == last.size())
       last[0] = made(all);
-    copy(all, *last[0]);
+    if (n == 2)
+      copy<2>(all, *last[0]);
+    else
+      copy<3>(all, *last[0]);
     return last[0]->matrix;
   }
 
+  template <int n>
   void
   WithoutEmptyPairs::find_kept(const Epetra_CrsMatrix &matrix)
   {
     is_kept.clear();
     is_kept.reserve(matrix.NumMyNonzeros() / (n * n));
-    std::vector<double *> rows(n);
+    std::array<double *, n> rows;
     for (int row = 0; row < matrix.NumMyRows(); row += n)
       {
         int  length = 0, other = 0;
@@ -100,23 +108,28 @@ namespace emmy
     return result;
   }
 
+  template <int n>
   void
   WithoutEmptyPairs::copy(const Epetra_CrsMatrix &matrix, Reduced &result) const
   {
     const Epetra_CrsMatrix &kept       = result.matrix.trilinos_matrix();
-    std::size_t             first_pair = 0, n_pairs = 0;
-    for (int row = 0; row < matrix.NumMyRows(); ++row)
+    const char             *first_pair = is_kept.data();
+    for (int row = 0; row < matrix.NumMyRows(); row += n)
       {
-        int     length = 0, kept_length = 0;
-        double *from = nullptr, *to = nullptr;
-        matrix.ExtractMyRowView(row, length, from);
-        kept.ExtractMyRowView(row, kept_length, to);
-        if (row % n == 0)
-          first_pair += n_pairs;
-        n_pairs = length / n;
-        for (std::size_t pair = 0; pair < n_pairs; ++pair, from += n)
-          if (is_kept[first_pair + pair])
-            to = std::copy_n(from, n, to);
+        const char *end = first_pair;
+        for (int c = 0; c < n; ++c)
+          {
+            int     length = 0, kept_length = 0;
+            double *from = nullptr, *to = nullptr;
+            matrix.ExtractMyRowView(row + c, length, from);
+            kept.ExtractMyRowView(row + c, kept_length, to);
+            end = first_pair + length / n;
+            for (const char *pair = first_pair; pair < end; ++pair, from += n)
+              if (*pair)
+                for (int d = 0; d < n; ++d)
+                  *to++ = from[d];
+          }
+        first_pair = end;
       }
   }
 } // namespace emmy

@@ -41,10 +41,12 @@ namespace emmy
       Matrix            matrix;
     };
 
+    template <int n>
     void
     find_kept(const Epetra_CrsMatrix &matrix);
     std::unique_ptr<Reduced>
     made(const Epetra_CrsMatrix &matrix) const;
+    template <int n>
     void
     copy(const Epetra_CrsMatrix &matrix, Reduced &result) const;
 
