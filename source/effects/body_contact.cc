@@ -2,6 +2,7 @@
 #include <emmy/effects/body_contact.h>
 
 #include <algorithm>
+#include <numeric>
 
 namespace emmy
 {
@@ -21,11 +22,23 @@ namespace emmy
     , group_names(std::move(group_names))
     , fields(fields)
     , corners_of_body(std::move(corners))
+    , points_of_body(contact_points(rules))
     , least_margin(rules.largest_reach() / rules.radius *
                    rules.points_per_direction)
     , margin(least_margin)
   {
     found.force.resize(this->group_names.size());
+  }
+
+  template <int dim>
+  std::vector<std::vector<Tensor<1, dim>>>
+  BodyContact<dim>::contact_points(const ContactRules<dim> &rules)
+  {
+    std::vector<std::vector<Tensor<1, dim>>> result(rules.bodies.size());
+    for (unsigned int body = 0; body < result.size(); ++body)
+      for (unsigned int k = 0; k < rules.n_points(); ++k)
+        result[body].push_back(rules.point(body, k));
+    return result;
   }
 
   template <int dim>
@@ -159,256 +172,14 @@ namespace emmy
                                       communicator),
                       margin,
                       here);
+    laws.clear();
+    for (const ParticlePair &pair : candidates.pairs)
+      laws.push_back(rules.law(candidates.particles[pair.first].body,
+                               candidates.particles[pair.second].body));
     is_coupled.assign(candidates.pairs.size(), false);
     exchange.begin(candidates, communicator);
     if (has_friction())
       springs_held = exchange.springs_of(candidates, springs);
-  }
-
-  namespace
-  {
-    /** W of a point, [(dim + 1) a + l]. */
-    template <int dim>
-    std::vector<double>
-    weights_of(const Stencils<dim>                 &stencils,
-               const typename Stencils<dim>::Group &group,
-               const unsigned int                   q)
-    {
-      std::vector<double> result;
-      result.reserve((dim + 1) * group.n_nodes);
-      for (unsigned int a = 0; a < group.n_nodes; ++a)
-        {
-          result.push_back(stencils.value(group, a)[q]);
-          for (unsigned int d = 0; d < dim; ++d)
-            result.push_back(stencils.gradient(group, a, d)[q]);
-        }
-      return result;
-    }
-  } // namespace
-
-  template <int dim>
-  void
-  BodyContact<dim>::couple(const Stencils<dim>       &stencils,
-                           const BackgroundGrid<dim> &grid,
-                           const BoundaryConditions<dim> &,
-                           Couplings<dim> &couplings)
-  {
-    find_where(stencils, grid);
-    if (exchange.is_needed())
-      exchange_nodes(grid, couplings);
-    find_coupled(stencils.at_middle);
-
-    // numbered by their nodes: the same couplings in any order of particles
-    std::map<NodeIds, unsigned int> lists;
-    for (const Where &candidate : where)
-      lists.emplace(candidate.ids, 0);
-    unsigned int n_lists = 0;
-    for (auto &[ids, number] : lists)
-      {
-        (void)ids;
-        number = n_lists++;
-      }
-    for (Where &candidate : where)
-      candidate.nodes = lists.at(candidate.ids);
-    std::map<std::pair<unsigned int, unsigned int>, std::vector<unsigned int>>
-      by_nodes;
-    for (unsigned int k = 0; k < candidates.pairs.size(); ++k)
-      if (is_coupled[k])
-        by_nodes[{where[candidates.pairs[k].first].nodes,
-                  where[candidates.pairs[k].second].nodes}]
-          .push_back(k);
-    cliques.clear();
-    for (auto &[lists_of_pair, pairs] : by_nodes)
-      {
-        (void)lists_of_pair;
-        const ParticlePair &pair = candidates.pairs[pairs.front()];
-        cliques.push_back({couplings.node_ids.size(), std::move(pairs)});
-        unsigned int n = 0;
-        for (const unsigned int i : {pair.first, pair.second})
-          {
-            couplings.node_ids.insert(couplings.node_ids.end(),
-                                      where[i].ids.begin(),
-                                      where[i].ids.end());
-            n += where[i].n_nodes();
-          }
-        couplings.group_sizes.push_back(n);
-      }
-  }
-
-  template <int dim>
-  bool
-  BodyContact<dim>::nearly_touch(const ParticlePair &pair) const
-  {
-    // arms may turn and stretch
-    constexpr double            slack = 0.25;
-    const ContactParticle<dim> &one   = candidates.particles[pair.first],
-                               &two   = candidates.particles[pair.second];
-    const double reach                = rules.law(one.body, two.body).reach;
-    const double near                 = (1. + slack / rules.radius) * reach;
-    // places are those of the middle of the step
-    const Tensor<1, dim> between = one.place - two.place;
-    const Tensor<1, dim> way =
-      2. * (where[pair.first].place - where[pair.second].place - between);
-    return std::any_of(pair.points.begin(),
-                       pair.points.end(),
-                       [&](const auto &points) {
-                         const Tensor<1, dim> x =
-                           between + one.F * rules.point(one.body, points[0]) -
-                           two.F * rules.point(two.body, points[1]);
-                         return x.norm_square() < near * near ||
-                                (x + way).norm_square() < near * near;
-                       });
-  }
-
-  template <int dim>
-  void
-  BodyContact<dim>::find_coupled(const bool at_middle)
-  {
-    for (unsigned int k = 0; k < is_coupled.size(); ++k)
-      is_coupled[k] =
-        is_coupled[k] || !at_middle || nearly_touch(candidates.pairs[k]);
-  }
-
-  template <int dim>
-  void
-  BodyContact<dim>::find_where(const Stencils<dim>       &stencils,
-                               const BackgroundGrid<dim> &grid)
-  {
-    const auto               &particles = candidates.particles;
-    std::vector<unsigned int> at_place(stencils.order.size(), none);
-    for (unsigned int i = 0; i < particles.size(); ++i)
-      if (particles[i].owner == here)
-        at_place[particles[i].index] = i;
-    where.assign(particles.size(), {none, none, 0, {}, {}, {}});
-    at_point.assign(stencils.order.size(), none);
-    in_order.clear();
-    for (unsigned int g = 0; g < stencils.groups.size(); ++g)
-      for (unsigned int q = 0; q < stencils.groups[g].n_points; ++q)
-        {
-          const Group       &group = stencils.groups[g];
-          const std::size_t  p     = group.first_point + q;
-          const unsigned int i     = at_place[stencils.order[p]];
-          if (i == none)
-            continue;
-          const auto begin = stencils.node_ids.begin() + group.first_node;
-          dealii::Point<dim> place;
-          for (unsigned int a = 0; a < group.n_nodes; ++a)
-            place += stencils.value(group, a)[q] *
-                     dealii::Tensor<1, dim>(grid.node_position(begin[a]));
-          where[i]    = {g,
-                         q,
-                         0,
-                         place,
-                         NodeIds(begin, begin + group.n_nodes),
-                         weights_of(stencils, group, q)};
-          at_point[p] = i;
-          in_order.push_back(i);
-        }
-  }
-
-  namespace
-  {
-    template <int dim>
-    void
-    append(const dealii::Point<dim> &x, std::vector<double> &numbers)
-    {
-      numbers.insert(numbers.end(), x.begin_raw(), x.end_raw());
-    }
-
-    template <int dim>
-    dealii::Point<dim>
-    point_from(std::vector<double>::const_iterator &number)
-    {
-      dealii::Point<dim> x;
-      for (unsigned int d = 0; d < dim; ++d)
-        x[d] = *number++;
-      return x;
-    }
-
-    /** How many masters, and of each its id, weight and position. */
-    template <int dim>
-    void
-    append_masters(const TiedNode<dim> &node, std::vector<double> &numbers)
-    {
-      numbers.push_back(node.masters.size());
-      for (const auto &master : node.masters)
-        {
-          numbers.push_back(master.id);
-          numbers.push_back(master.weight);
-          append(master.position, numbers);
-        }
-    }
-
-    template <int dim>
-    std::vector<typename TiedNode<dim>::Master>
-    masters_from(std::vector<double>::const_iterator &number)
-    {
-      std::vector<typename TiedNode<dim>::Master> masters(
-        static_cast<unsigned int>(*number++));
-      for (auto &master : masters)
-        {
-          master.id = static_cast<dealii::types::global_dof_index>(*number++);
-          master.weight   = *number++;
-          master.position = point_from<dim>(number);
-        }
-      return masters;
-    }
-  } // namespace
-
-  template <int dim>
-  void
-  BodyContact<dim>::exchange_nodes(const BackgroundGrid<dim> &grid,
-                                   Couplings<dim>            &couplings)
-  {
-    std::map<dealii::types::global_dof_index, std::size_t> tied;
-    for (std::size_t i = 0; i < couplings.tied_nodes.size(); ++i)
-      tied[couplings.tied_nodes[i].id] = i;
-    // by node: id, position, W, whom it follows
-    std::vector<std::vector<double>> numbers(where.size());
-    for (const unsigned int i : in_order)
-      for (unsigned int a = 0; a < where[i].n_nodes(); ++a)
-        {
-          const auto id = where[i].ids[a];
-          numbers[i].push_back(id);
-          append(grid.node_position(id), numbers[i]);
-          const auto weights = where[i].weights.begin() + (dim + 1) * a;
-          numbers[i].insert(numbers[i].end(), weights, weights + dim + 1);
-          const auto found = tied.find(id);
-          append_masters(found == tied.end()
-                           ? TiedNode<dim>()
-                           : couplings.tied_nodes[found->second],
-                         numbers[i]);
-        }
-    exchange(numbers);
-
-    std::map<dealii::types::global_dof_index, dealii::Point<dim>> far;
-    for (unsigned int i = 0; i < where.size(); ++i)
-      {
-        const auto end    = numbers[i].cend();
-        auto       number = is_mine(i) ? end : numbers[i].cbegin();
-        while (number != end)
-          {
-            const auto id =
-              static_cast<dealii::types::global_dof_index>(*number++);
-            const auto x = point_from<dim>(number);
-            where[i].ids.push_back(id);
-            where[i].place += *number * Tensor<1, dim>(x);
-            where[i].weights.insert(where[i].weights.end(),
-                                    number,
-                                    number + dim + 1);
-            number += dim + 1;
-            if (!grid.nodes()->in_local_range(id) &&
-                !grid.nodes()->is_ghost_entry(id))
-              far[id] = x;
-            auto masters = masters_from<dim>(number);
-            if (!masters.empty() &&
-                tied.emplace(id, couplings.tied_nodes.size()).second)
-              couplings.tied_nodes.push_back({id, std::move(masters)});
-          }
-      }
-    couplings.far_nodes.assign(far.begin(), far.end());
-    couplings.has_far_nodes =
-      dealii::Utilities::MPI::max(far.empty() ? 0 : 1, grid.communicator()) > 0;
   }
 
   template <int dim>

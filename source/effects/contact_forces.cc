@@ -47,31 +47,51 @@ namespace emmy
   }
 
   template <int dim>
-  template <class Visit>
-  std::vector<typename BodyContact<dim>::State>
-  BodyContact<dim>::states(const StepData<dim>       &step,
-                           const std::vector<double> &u,
-                           const Visit               &visit) const
+  void
+  BodyContact<dim>::follow_deformation(const StepData<dim> &step,
+                                       const Iterate<dim>  &iterate) const
   {
-    std::vector<State>               result(candidates.particles.size());
-    std::vector<std::vector<double>> numbers(result.size());
+    const unsigned int first = fields.deformation_gradient;
     for (const Group &group : step.stencils.groups)
       for (unsigned int q = 0; q < group.n_points; ++q)
         {
-          const auto motion = particle(step, group, q, u);
-          visit(group, motion);
-          const unsigned int i = at_point[motion.p];
-          if (i == none)
-            continue;
-          result[i].motion = motion;
-          if (!exchange.is_needed())
-            continue;
-          numbers[i].assign(motion.way.begin_raw(), motion.way.end_raw());
-          for (unsigned int d = 0; d < dim; ++d)
-            numbers[i].insert(numbers[i].end(),
-                              motion.gradient[d].begin_raw(),
-                              motion.gradient[d].end_raw());
+          const std::size_t p = group.first_point + q;
+          CornerMotion<dim> motion;
+          motion.gradient =
+            step.stencils.displacement_gradient(group,
+                                                q,
+                                                step.start.active->nodes(group),
+                                                iterate.local_displacement);
+          motion.F_old = tensor_field(step.points, first, p);
+          motion.find_arms(step.stencils.at_middle);
+          const Tensor<2, dim> F = motion.F_new();
+          for (unsigned int i = 0; i < dim * dim; ++i)
+            iterate.trial.component(first + i)[p] = F[i / dim][i % dim];
         }
+  }
+
+  template <int dim>
+  std::vector<typename BodyContact<dim>::State>
+  BodyContact<dim>::states(const StepData<dim>       &step,
+                           const std::vector<double> &u) const
+  {
+    std::vector<State>               result(candidates.particles.size());
+    std::vector<std::vector<double>> numbers(result.size());
+    for (const unsigned int i : in_order)
+      {
+        CornerMotion<dim> &motion = result[i].motion;
+        motion                    = particle(step,
+                          step.stencils.groups[where[i].group],
+                          where[i].point,
+                          u);
+        if (!exchange.is_needed())
+          continue;
+        numbers[i].assign(motion.way.begin_raw(), motion.way.end_raw());
+        for (unsigned int d = 0; d < dim; ++d)
+          numbers[i].insert(numbers[i].end(),
+                            motion.gradient[d].begin_raw(),
+                            motion.gradient[d].end_raw());
+      }
     exchange(numbers);
     for (unsigned int i = 0; i < result.size(); ++i)
       {
@@ -93,7 +113,7 @@ namespace emmy
         result[i].ways.reserve(rules.n_points());
         for (unsigned int k = 0; k < rules.n_points(); ++k)
           {
-            const Tensor<1, dim> xi = rules.point(particle.body, k);
+            const Tensor<1, dim> &xi = points_of_body[particle.body][k];
             result[i].places.push_back(motion.place + motion.F_old * xi);
             result[i].ways.push_back(motion.way_of(motion.F * xi));
           }
@@ -102,22 +122,17 @@ namespace emmy
   }
 
   template <int dim>
-  std::vector<FollowedMotion<dim>>
-  BodyContact<dim>::followed(const StepData<dim>       &step,
-                             const std::vector<double> &u,
-                             const std::vector<char>   &acts) const
+  void
+  BodyContact<dim>::exchange_followed(
+    const std::vector<char>          &acts,
+    std::vector<FollowedMotion<dim>> &result) const
   {
-    std::vector<FollowedMotion<dim>> result(acts.size());
+    if (!exchange.is_needed())
+      return;
     std::vector<std::vector<double>> numbers(acts.size());
     for (const unsigned int i : in_order)
       if (acts[i])
         {
-          result[i] = followed_motion(step,
-                                      step.stencils.groups[where[i].group],
-                                      where[i].point,
-                                      u);
-          if (!exchange.is_needed())
-            continue;
           numbers[i].assign(result[i].shift.begin(), result[i].shift.end());
           for (const PointMotion<dim> &row : result[i].by_nodes)
             numbers[i].insert(numbers[i].end(), row.begin(), row.end());
@@ -131,7 +146,6 @@ namespace emmy
           for (PointMotion<dim> &row : result[i].by_nodes)
             std::copy_n(number += n_motion, n_motion, row.begin());
         }
-    return result;
   }
 
   template <int dim>
@@ -146,8 +160,8 @@ namespace emmy
         const ParticlePair &pair = candidates.pairs[k];
         const auto         &one  = candidates.particles[pair.first],
                    &two          = candidates.particles[pair.second];
-        const PairLaw law        = rules.law(one.body, two.body);
-        const double  reach      = law.reach * law.reach;
+        const PairLaw &law       = laws[k];
+        const double   reach     = law.reach * law.reach;
         // springs are held where points touched, but for round-off
         const double held   = (1. + 1e-6) * reach;
         const State &of_one = states[pair.first], &of_two = states[pair.second];
@@ -186,13 +200,8 @@ namespace emmy
                         Matrix              *jacobian) const
   {
     const std::vector<double> &u = iterate.local_displacement;
-    const auto                 now =
-      states(step, u, [&](const Group &, const CornerMotion<dim> &motion) {
-        const Tensor<2, dim> F = motion.F_new();
-        for (unsigned int i = 0; i < dim * dim; ++i)
-          iterate.trial.component(fields.deformation_gradient + i)[motion.p] =
-            F[i / dim][i % dim];
-      });
+    follow_deformation(step, iterate);
+    const auto                    now = states(step, u);
     std::vector<char>             acts(now.size(), false);
     std::vector<PointMotion<dim>> forces_on(now.size());
     std::vector<ByMotion>         by_own(jacobian ? now.size() : 0);
@@ -228,6 +237,8 @@ namespace emmy
                         }
                     });
 
+    std::vector<FollowedMotion<dim>> followed(
+      jacobian && step.moving ? now.size() : 0);
     CornerForces<dim> forces(step, u, jacobian);
     for (unsigned int n = 0; n < in_order.size(); ++n)
       {
@@ -236,18 +247,18 @@ namespace emmy
         if (acts[i])
           {
             forces.add(forces_on[i], jacobian ? by_own[i] : ByMotion{});
-            forces.finish(group, where[i].point);
+            forces.finish(group,
+                          where[i].point,
+                          followed.empty() ? nullptr : &followed[i]);
           }
         if (n + 1 == in_order.size() ||
             where[in_order[n + 1]].group != where[i].group)
           forces.finish(group);
       }
+    if (jacobian && step.moving)
+      exchange_followed(acts, followed);
     if (jacobian)
-      add_across(step,
-                 step.moving ? followed(step, u, acts)
-                             : std::vector<FollowedMotion<dim>>(),
-                 across,
-                 *jacobian);
+      add_across(step, followed, across, *jacobian);
     forces.finish(force); // collective
     return "";
   }
@@ -434,9 +445,7 @@ namespace emmy
     found.springs.clear();
     for (Tensor<1, dim> &force : found.force)
       force = Tensor<1, dim>();
-    const auto now = states(step,
-                            step.start.active->to_local(displacement),
-                            [](const Group &, const CornerMotion<dim> &) {});
+    const auto now = states(step, step.start.active->to_local(displacement));
     for_each_action(
       now,
       false,

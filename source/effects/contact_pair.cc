@@ -1,383 +1,262 @@
-#include <emmy/effects/contact_pair.h>
+#include <emmy/effects/pair_law.h>
 
 #include <Sacado.hpp>
 
-#include <algorithm>
-#include <cmath>
 
 namespace emmy
 {
   using dealii::Tensor;
+  using namespace pair_law;
 
   namespace
   {
-    /** A vector of numbers that may know their derivatives. */
-    template <int dim, class Number>
-    struct Components
+    /** How a particle carries its contact point, and the common place. */
+    template <int dim>
+    struct Carried
     {
-      std::array<Number, dim> c;
+      double         sign;        ///< of its way in w: 1 for the first
+      double         share;       ///< of x_m in b: -alpha, or 1 - alpha
+      Tensor<1, dim> arm, place;  ///< a, and b without friction's share: m
+      Tensor<2, dim> by_gradient; ///< M: the way changes by M dL a
+      Tensor<2, dim> inverse;     ///< Y: b = share Y x_m
+      bool           at_middle;
 
-      Number &
-      operator[](const unsigned int i)
+      Carried(const PairPoint<dim> &point,
+              const double          sign,
+              const double          share,
+              const bool            has_friction)
+        : sign(sign)
+        , share(share)
+        , arm(point.arm)
+        , by_gradient(dealii::unit_symmetric_tensor<dim>())
+        , inverse(dealii::unit_symmetric_tensor<dim>())
+        , at_middle(point.at_middle)
       {
-        return c[i];
-      }
-      const Number &
-      operator[](const unsigned int i) const
-      {
-        return c[i];
-      }
-      Number
-      dot(const Components &other) const
-      {
-        Number sum = 0.;
-        for (unsigned int i = 0; i < dim; ++i)
-          sum += c[i] * other.c[i];
-        return sum;
-      }
-      /** this + factor v. */
-      Components
-      plus(const Number &factor, const Components &v) const
-      {
-        Components result;
-        for (unsigned int i = 0; i < dim; ++i)
-          result.c[i] = c[i] + factor * v.c[i];
-        return result;
-      }
-      Components
-      times(const Number &factor) const
-      {
-        Components result;
-        for (unsigned int i = 0; i < dim; ++i)
-          result.c[i] = factor * c[i];
-        return result;
-      }
-      /** What is left of it across a unit vector. */
-      Components
-      across(const Components &n) const
-      {
-        return plus(-dot(n), n);
+        if (at_middle)
+          by_gradient = point.Z; // I + L Z/2
+        else if (has_friction)
+          inverse = invert(inverse + 0.5 * point.gradient);
       }
     };
 
-    template <class Number>
-    Number
-    sqrt_of(const Number &x)
+    /** How the push changes with w and the slide. */
+    template <int dim>
+    struct PushByMotion
     {
-      using std::sqrt;
-      return sqrt(x);
-    }
-
-    double
-    plain(const double x)
-    {
-      return x;
-    }
-    template <class Number>
-    double
-    plain(const Number &x)
-    {
-      return x.val();
-    }
-
-    template <int dim, class Number>
-    Components<dim, Number>
-    constant(const Tensor<1, dim> &v)
-    {
-      Components<dim, Number> result;
-      for (unsigned int i = 0; i < dim; ++i)
-        result[i] = v[i];
-      return result;
-    }
-
-    template <class Number>
-    Number
-    energy(const PairLaw &law, const Number &gap)
-    {
-      if (plain(gap) >= 0.)
-        return 0.;
-      Number power = gap * gap;
-      for (unsigned int i = 2; i < law.exponent; ++i)
-        power *= -gap / law.reach;
-      return (law.stiffness / law.exponent) * power;
-    }
-
-    /** (psi_1 - psi_0)/(g_1 - g_0), without a difference where both touch. */
-    template <class Number>
-    Number
-    quotient(const PairLaw &law, const double gap_old, const Number &gap_new)
-    {
-      if (gap_old >= 0. && plain(gap_new) >= 0.)
-        return 0.;
-      if (gap_old >= 0. || plain(gap_new) >= 0.)
-        return (energy(law, gap_new) - energy(law, gap_old)) /
-               (gap_new - gap_old);
-      Number sum = 0.; // of p1^i p0^(q - 1 - i)
-      for (unsigned int i = 0; i < law.exponent; ++i)
-        {
-          Number product = 1.;
-          for (unsigned int j = 0; j + 1 < law.exponent; ++j)
-            product *= j < i ? Number(-gap_new) : Number(-gap_old);
-          sum += product;
-        }
-      return -law.stiffness / law.exponent *
-             std::pow(law.reach, 2. - law.exponent) * sum;
-    }
-
-    /** A point and its motion in numbers that may know derivatives. */
-    template <int dim, class Number>
-    struct Moving
-    {
-      Components<dim, Number>                  arm, way;
-      std::array<Components<dim, Number>, dim> gradient; ///< rows
-
-      /** L v. */
-      Components<dim, Number>
-      turned(const Components<dim, Number> &v) const
-      {
-        Components<dim, Number> result;
-        for (unsigned int i = 0; i < dim; ++i)
-          result[i] = gradient[i].dot(v);
-        return result;
-      }
-
-      /** (I + L/2)^-1 v: its value, and by one Newton step its derivative. */
-      Components<dim, Number>
-      turned_back(const Components<dim, Number> &v,
-                  const Tensor<2, dim>          &plain_gradient) const
-      {
-        Tensor<2, dim> half = 0.5 * plain_gradient;
-        Tensor<1, dim> plain_v;
-        for (unsigned int d = 0; d < dim; ++d)
-          {
-            half[d][d] += 1.;
-            plain_v[d] = plain(v[d]);
-          }
-        const Tensor<2, dim>          inverse = invert(half);
-        const Components<dim, Number> guess =
-          constant<dim, Number>(inverse * plain_v);
-        const Components<dim, Number> misfit =
-          v.plus(-1., guess).plus(-0.5, turned(guess));
-        return corrected(guess, inverse, misfit);
-      }
-
-      /** guess + A misfit. */
-      static Components<dim, Number>
-      corrected(Components<dim, Number>        guess,
-                const Tensor<2, dim>          &A,
-                const Components<dim, Number> &misfit)
-      {
-        for (unsigned int i = 0; i < dim; ++i)
-          for (unsigned int j = 0; j < dim; ++j)
-            guess[i] += A[i][j] * misfit[j];
-        return guess;
-      }
+      Tensor<2, dim> force_by_way, force_by_slide, friction_by_way,
+        friction_by_slide;
     };
 
-    /** @param unknown called with the index of an unknown and its value */
-    template <int dim, class Number, class Unknown>
-    Moving<dim, Number>
-    moving(const PairPoint<dim> &point, const Unknown &unknown)
-    {
-      Moving<dim, Number> result;
-      for (unsigned int i = 0; i < dim; ++i)
-        {
-          result.way[i] = unknown((dim + 1) * i, point.way[i]);
-          for (unsigned int j = 0; j < dim; ++j)
-            result.gradient[i][j] =
-              unknown((dim + 1) * i + 1 + j, point.gradient[i][j]);
-        }
-      result.arm = constant<dim, Number>(point.arm);
-      if (point.at_middle)
-        {
-          // a = a_t + L a/2, solved by one Newton step at its solution
-          const auto misfit = constant<dim, Number>(point.arm_old - point.arm)
-                                .plus(0.5, result.turned(result.arm));
-          result.arm =
-            Moving<dim, Number>::corrected(result.arm, point.Z, misfit);
-        }
-      result.way = result.way.plus(1., result.turned(result.arm));
-      return result;
-    }
-
-    /** What an evaluation finds, in numbers that may know derivatives. */
-    template <int dim, class Number>
-    struct Forces
-    {
-      std::array<Number, PairAction<dim>::n_motion> first, second;
-
-      Forces()
-      {
-        first.fill(0.);
-        second.fill(0.);
-      }
-
-      static void
-      add(const Number                                  &factor,
-          const Components<dim, Number>                 &force,
-          const Components<dim, Number>                 &arm,
-          std::array<Number, PairAction<dim>::n_motion> &sum)
-      {
-        for (unsigned int i = 0; i < dim; ++i)
-          {
-            sum[(dim + 1) * i] += factor * force[i];
-            for (unsigned int l = 0; l < dim; ++l)
-              sum[(dim + 1) * i + 1 + l] += factor * force[i] * arm[l];
-          }
-      }
-    };
-
-    template <int dim, class Number>
-    class Evaluation
+    /** Of both particles, and what they push each other with. */
+    template <int dim>
+    class Pair
     {
     public:
-      using V = Components<dim, Number>;
+      using Motion = std::array<double, PairAction<dim>::n_motion>;
 
-      Evaluation(const PairLaw        &law,
-                 const PairPoint<dim> &first,
-                 const PairPoint<dim> &second,
-                 const Tensor<1, dim> &spring,
-                 PairAction<dim>      &result)
+      Pair(const PairLaw        &law,
+           const PairPoint<dim> &first,
+           const PairPoint<dim> &second)
         : law(law)
-        , first(first)
-        , second(second)
-        , spring_old(spring)
-        , result(result)
+        , has_friction(law.friction > 0.)
+        , gradients{{first.gradient, second.gradient}}
+        , of{{{first, 1., -law.share, has_friction},
+              {second, -1., 1. - law.share, has_friction}}}
       {}
 
-      template <class Unknown>
-      Forces<dim, Number>
-      operator()(const Unknown &unknown)
+      /** The forces, which the result then has. */
+      void
+      evaluate(const Tensor<1, dim> &before,
+               const Tensor<1, dim> &way,
+               const Tensor<1, dim> &spring,
+               const bool            with_derivative,
+               PairAction<dim>      &result)
       {
-        constexpr unsigned int n = PairAction<dim>::n_motion;
-        const auto             one =
-          moving<dim, Number>(first, [&](const auto i, const double v) {
-            return unknown(i, v);
-          });
-        const auto two =
-          moving<dim, Number>(second, [&](const auto i, const double v) {
-            return unknown(n + i, v);
-          });
-        const Tensor<1, dim> before = first.place() - second.place();
-        const double         d_old  = before.norm();
-        const V              way    = one.way.plus(-1., two.way);
-        const V      at_end = constant<dim, Number>(before).plus(1., way);
-        const V      mean   = constant<dim, Number>(before).plus(0.5, way);
-        const Number square = at_end.dot(at_end);
-        const Number d_new  = sqrt_of(square);
-        const Number gap    = d_new - law.reach;
-        result.gap_old      = d_old - law.reach;
-        result.gap_new      = plain(gap);
-
-        Forces<dim, Number> forces;
-        result.spring_stored = result.slip = 0.;
-        if (result.gap_old >= 0.)
-          let_go(spring_old); // what is open at the start has let go
-        if (result.gap_old >= 0. && result.gap_new >= 0.)
-          return forces;
-        result.acts = true;
-        result.stored =
-          pair_energy(law, result.gap_new) - pair_energy(law, result.gap_old);
-        const Number c =
-          -2. * quotient(law, result.gap_old, gap) / (d_old + d_new);
-        forces.add(c, mean, one.arm, forces.first);
-        forces.add(-c, mean, two.arm, forces.second);
+        Tensor<1, dim> slide = way;
+        if (has_friction)
+          for (unsigned int p = 0; p < 2; ++p)
+            {
+              of[p].place =
+                of[p].share * (of[p].inverse * (before + 0.5 * way));
+              slide += of[p].sign * (gradients[p] * of[p].place);
+            }
+        if (!with_derivative)
+          {
+            take(Evaluation<dim, double>(law, before, spring, result)(
+              constant<dim, double>(way), constant<dim, double>(slide)));
+            set_value(result);
+            return;
+          }
+        using Number = Sacado::Fad::SFad<double, 2 * dim>;
+        Components<dim, Number> varied_way, varied_slide;
         for (unsigned int i = 0; i < dim; ++i)
-          result.force[i] = plain(c) * plain(mean[i]);
-        if (law.friction > 0.)
-          add_friction(c, mean, way, one, two, forces);
-        return forces;
+          {
+            varied_way[i]   = Number(2 * dim, i, way[i]);
+            varied_slide[i] = Number(2 * dim, dim + i, slide[i]);
+          }
+        const auto push =
+          Evaluation<dim, Number>(law, before, spring, result)(varied_way,
+                                                               varied_slide);
+        take(push);
+        set_value(result);
+        PushByMotion<dim> by;
+        for (unsigned int i = 0; i < dim; ++i)
+          for (unsigned int j = 0; j < dim; ++j)
+            {
+              by.force_by_way[i][j]   = push.force[i].dx(j);
+              by.force_by_slide[i][j] = push.force[i].dx(dim + j);
+              if (!has_friction)
+                continue;
+              by.friction_by_way[i][j]   = push.friction[i].dx(j);
+              by.friction_by_slide[i][j] = push.friction[i].dx(dim + j);
+            }
+        set_derivative(by, result);
       }
 
     private:
+      template <class Number>
       void
-      let_go(const Tensor<1, dim> &spring)
+      take(const Push<dim, Number> &push)
       {
-        const double lost = 0.5 * law.spring_stiffness * spring.norm_square();
-        result.spring_stored -= lost;
-        result.slip += lost;
-      }
-
-      /** xi at the start, laid into the plane across n with its length kept. */
-      V
-      laid_spring(const V &n) const
-      {
-        const V spring = constant<dim, Number>(
-          result.gap_old >= 0. ? Tensor<1, dim>() : spring_old);
-        const V      across = spring.across(n);
-        const Number square = across.dot(across);
-        if (!(plain(square) > 0.))
-          return spring.times(0.);
-        const Number factor = spring_old.norm() / sqrt_of(square);
-        return across.times(factor);
-      }
-
-      void
-      add_friction(const Number              &c,
-                   const V                   &mean,
-                   const V                   &way,
-                   const Moving<dim, Number> &one,
-                   const Moving<dim, Number> &two,
-                   Forces<dim, Number>       &forces)
-      {
-        const Number square = mean.dot(mean);
-        const Number length = sqrt_of(square);
-        const Number limit  = law.friction * c * length;
-        const Number scale  = 1. / length;
-        const V      n      = mean.times(scale);
-        const V      b_one  = common(one, first, mean).times(-law.share),
-                b_two       = common(two, second, mean).times(1. - law.share);
-        const V slide       = way.plus(1., one.turned(b_one))
-                          .plus(-1., two.turned(b_two))
-                          .across(n);
-        const V      spring = laid_spring(n);
-        const double k      = law.spring_stiffness;
-        V            T      = spring.plus(0.5, slide).times(k);
-        const Number trial  = T.dot(T);
-        if (plain(trial) > plain(limit) * plain(limit))
-          {
-            const Number factor = limit / sqrt_of(trial);
-            T                   = T.times(factor);
-          }
-        forces.add(-1., T, one.arm.plus(1., b_one), forces.first);
-        forces.add(1., T, two.arm.plus(1., b_two), forces.second);
-
-        double work = 0.;
         for (unsigned int i = 0; i < dim; ++i)
           {
-            work += plain(T[i]) * plain(slide[i]);
-            result.force[i] -= plain(T[i]);
-            result.spring[i] = 2. / k * plain(T[i]) - plain(spring[i]);
-          }
-        if (const double stretch = result.spring.norm();
-            k * stretch > plain(limit))
-          result.spring *= plain(limit) / (k * stretch);
-        const double before =
-          result.gap_old >= 0. ? 0. : spring_old.norm_square();
-        const double gain = 0.5 * k * (result.spring.norm_square() - before);
-        result.spring_stored += gain;
-        result.slip += work - gain;
-        if (result.gap_new >= 0.)
-          {
-            let_go(result.spring);
-            result.spring = Tensor<1, dim>();
+            force[i]    = plain(push.force[i]);
+            friction[i] = has_friction ? plain(push.friction[i]) : 0.;
           }
       }
 
-      /** From a point to the common place, but for its sign and share. */
-      V
-      common(const Moving<dim, Number> &moving,
-             const PairPoint<dim>      &point,
-             const V                   &mean) const
+      /** f at a, and -T at b: on the first; on the second against them. */
+      void
+      set_value(PairAction<dim> &result) const
       {
-        return point.at_middle ? mean
-                               : moving.turned_back(mean, point.gradient);
+        constexpr unsigned int n = PairAction<dim>::n_motion;
+        for (unsigned int p = 0; p < 2; ++p)
+          for (unsigned int i = 0; i < dim; ++i)
+            {
+              double *value = &result.value[n * p + (dim + 1) * i];
+              value[0]      = of[p].sign * force[i];
+              for (unsigned int l = 0; l < dim; ++l)
+                value[1 + l] = of[p].sign * (force[i] * of[p].arm[l] -
+                                             friction[i] * of[p].place[l]);
+            }
       }
 
-      const PairLaw        &law;
-      const PairPoint<dim> &first, &second;
-      const Tensor<1, dim> &spring_old;
-      PairAction<dim>      &result;
+      /** sign (A dw + B dL b) for the unknowns of a particle. */
+      static std::array<Motion, dim>
+      by_unknowns(const Tensor<2, dim> &A,
+                  const Tensor<2, dim> &B,
+                  const Carried<dim>   &by)
+      {
+        std::array<Motion, dim> result;
+        const Tensor<2, dim>    along = A * by.by_gradient;
+        for (unsigned int i = 0; i < dim; ++i)
+          for (unsigned int j = 0; j < dim; ++j)
+            {
+              double *entry = &result[i][(dim + 1) * j];
+              entry[0]      = by.sign * A[i][j];
+              for (unsigned int m = 0; m < dim; ++m)
+                entry[1 + m] =
+                  by.sign * (along[i][j] * by.arm[m] + B[i][j] * by.place[m]);
+            }
+        return result;
+      }
+
+      /**
+       * With dw = sum of sign (du + M dL a) and b = share Y x_m, the slide w +
+       * L_1 b_1 - L_2 b_2 changes by Q dw and sign Y dL b.
+       */
+      void
+      set_derivative(const PushByMotion<dim> &by, PairAction<dim> &result) const
+      {
+        constexpr unsigned int n = PairAction<dim>::n_motion;
+        Tensor<2, dim>         Q = dealii::unit_symmetric_tensor<dim>();
+        if (has_friction)
+          for (unsigned int p = 0; p < 2; ++p)
+            Q +=
+              (0.5 * of[p].sign * of[p].share) * (gradients[p] * of[p].inverse);
+        const Tensor<2, dim> A = by.force_by_way + by.force_by_slide * Q,
+                             C = by.friction_by_way + by.friction_by_slide * Q;
+        for (unsigned int column = 0; column < 2; ++column)
+          {
+            const auto df = by_unknowns(A,
+                                        by.force_by_slide * of[column].inverse,
+                                        of[column]);
+            for (unsigned int row = 0; row < 2; ++row)
+              for (unsigned int i = 0; i < dim; ++i)
+                {
+                  const std::size_t at = n * row + (dim + 1) * i;
+                  for (unsigned int z = 0; z < n; ++z)
+                    {
+                      const double d = of[row].sign * df[i][z];
+                      result.derivative[at][n * column + z] = d;
+                      for (unsigned int l = 0; l < dim; ++l)
+                        result.derivative[at + 1 + l][n * column + z] =
+                          d * of[row].arm[l];
+                    }
+                }
+            if (has_friction)
+              add_moments(by_unknowns(C,
+                                      by.friction_by_slide * of[column].inverse,
+                                      of[column]),
+                          column,
+                          result);
+          }
+        for (unsigned int p = 0; p < 2; ++p)
+          if (of[p].at_middle || has_friction)
+            turn_arms(p, result);
+      }
+
+      /** Those of friction at the common place, -(dT b + T share Y dw/2). */
+      void
+      add_moments(const std::array<Motion, dim> &dT,
+                  const unsigned int             column,
+                  PairAction<dim>               &result) const
+      {
+        constexpr unsigned int n = PairAction<dim>::n_motion;
+        for (unsigned int row = 0; row < 2; ++row)
+          {
+            const Carried<dim> &on = of[row];
+            const auto          db = by_unknowns(0.5 * on.share * on.inverse,
+                                        Tensor<2, dim>(),
+                                        of[column]);
+            for (unsigned int i = 0; i < dim; ++i)
+              for (unsigned int l = 0; l < dim; ++l)
+                {
+                  double *entry =
+                    &result
+                       .derivative[n * row + (dim + 1) * i + 1 + l][n * column];
+                  for (unsigned int z = 0; z < n; ++z)
+                    entry[z] -= on.sign * (dT[i][z] * on.place[l] +
+                                           friction[i] * db[l][z]);
+                }
+          }
+      }
+
+      /** da = Z dL a/2 in the middle; else db = -Y dL b/2. */
+      void
+      turn_arms(const unsigned int p, PairAction<dim> &result) const
+      {
+        constexpr unsigned int n  = PairAction<dim>::n_motion;
+        const Carried<dim>    &on = of[p];
+        const Tensor<1, dim>   f =
+          (0.5 * on.sign) * (on.at_middle ? force : friction);
+        const Tensor<1, dim> &arm = on.at_middle ? on.arm : on.place;
+        const Tensor<2, dim> &turned =
+          on.at_middle ? on.by_gradient : on.inverse;
+        for (unsigned int i = 0; i < dim; ++i)
+          for (unsigned int l = 0; l < dim; ++l)
+            for (unsigned int j = 0; j < dim; ++j)
+              for (unsigned int m = 0; m < dim; ++m)
+                result.derivative[n * p + (dim + 1) * i + 1 + l]
+                                 [n * p + (dim + 1) * j + 1 + m] +=
+                  f[i] * turned[l][j] * arm[m];
+      }
+
+      const PairLaw                      &law;
+      const bool                          has_friction;
+      const std::array<Tensor<2, dim>, 2> gradients; ///< L
+      std::array<Carried<dim>, 2>         of;
+      Tensor<1, dim>                      force, friction;
     };
   } // namespace
 
@@ -395,31 +274,21 @@ namespace emmy
               const Tensor<1, dim> &spring,
               const bool            with_derivative)
   {
-    constexpr unsigned int n = PairAction<dim>::n_motion;
-    PairAction<dim>        result;
-    const auto             forces =
-      Evaluation<dim, double>(law, first, second, spring, result)(
-        [](const unsigned int, const double value) { return value; });
-    for (unsigned int i = 0; i < n; ++i)
-      {
-        result.value[i]     = forces.first[i];
-        result.value[n + i] = forces.second[i];
-      }
-    if (!with_derivative || !result.acts)
+    PairAction<dim>      result;
+    const Tensor<1, dim> before = first.place() - second.place(),
+                         way    = first.way + first.gradient * first.arm -
+                               second.way - second.gradient * second.arm;
+    result.gap_old = before.norm() - law.reach;
+    result.gap_new = (before + way).norm() - law.reach;
+    if (result.gap_old >= 0.)
+      let_go(law, spring, result); // what is open at the start has let go
+    if (result.gap_old >= 0. && result.gap_new >= 0.)
       return result;
-    using Number = Sacado::Fad::SFad<double, 2 * n>;
-    PairAction<dim> same;
-    const auto      varied =
-      Evaluation<dim, Number>(law, first, second, spring, same)(
-        [](const unsigned int i, const double value) {
-          return Number(2 * n, i, value);
-        });
-    for (unsigned int i = 0; i < n; ++i)
-      for (unsigned int j = 0; j < 2 * n; ++j)
-        {
-          result.derivative[i][j]     = varied.first[i].dx(j);
-          result.derivative[n + i][j] = varied.second[i].dx(j);
-        }
+    result.acts = true;
+    result.stored =
+      pair_energy(law, result.gap_new) - pair_energy(law, result.gap_old);
+    Pair<dim>(law, first, second)
+      .evaluate(before, way, spring, with_derivative, result);
     return result;
   }
 

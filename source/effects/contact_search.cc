@@ -135,16 +135,22 @@ namespace emmy
     {
       std::vector<std::array<unsigned char, 2>> result;
       const double                              reach =
-        rules.law(one.particle.body, two.particle.body).reach + margin;
+        rules.reach(one.particle.body, two.particle.body) + margin;
       const double farthest = reach + one.arm + two.arm;
       if ((one.particle.place - two.particle.place).norm_square() >=
           farthest * farthest)
         return result;
+      const double to_any = reach + (1. + 1e-12) * two.arm;
       for (unsigned int i = 0; i < one.points.size(); ++i)
-        for (unsigned int j = 0; j < two.points.size(); ++j)
-          if ((one.points[i] - two.points[j]).norm_square() < reach * reach)
-            result.push_back(
-              {{static_cast<unsigned char>(i), static_cast<unsigned char>(j)}});
+        {
+          if ((one.points[i] - two.particle.place).norm_square() >=
+              to_any * to_any)
+            continue;
+          for (unsigned int j = 0; j < two.points.size(); ++j)
+            if ((one.points[i] - two.points[j]).norm_square() < reach * reach)
+              result.push_back({{static_cast<unsigned char>(i),
+                                 static_cast<unsigned char>(j)}});
+        }
       return result;
     }
 

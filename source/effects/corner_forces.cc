@@ -127,6 +127,38 @@ namespace emmy
     return result;
   }
 
+  namespace
+  {
+    /** That of a place that stays. */
+    template <int dim>
+    FollowedMotion<dim>
+    unmoved()
+    {
+      FollowedMotion<dim> result{};
+      for (unsigned int row = 0; row < result.by_nodes.size(); ++row)
+        result.by_nodes[row][row] = 1.;
+      return result;
+    }
+
+    /** Add z,k dq_k of a coordinate of the place. */
+    template <int dim, class ByMotion>
+    void
+    add_along(const PointMotion<dim> &z,
+              const double            shift,
+              const ByMotion         &by_motion,
+              FollowedMotion<dim>    &result)
+    {
+      for (unsigned int row = 0; row < z.size(); ++row)
+        {
+          result.shift[row] += z[row] * shift;
+          for (unsigned int j = 0; j < dim; ++j)
+            for (unsigned int m = 0; m <= dim; ++m)
+              result.by_nodes[row][(dim + 1) * j + m] +=
+                z[row] * by_motion[j][m];
+        }
+    }
+  } // namespace
+
   template <int dim>
   CornerForces<dim>::CornerForces(const StepData<dim>       &step,
                                   const std::vector<double> &displacement,
@@ -185,8 +217,12 @@ namespace emmy
 
   template <int dim>
   void
-  CornerForces<dim>::follow_places(const Group &group, const unsigned int q)
+  CornerForces<dim>::follow_places(const Group         &group,
+                                   const unsigned int   q,
+                                   FollowedMotion<dim> *followed)
   {
+    if (followed)
+      *followed = unmoved<dim>();
     const unsigned int *nodes = step.start.active->nodes(group);
     const auto &response      = step.moving->response_of(group.first_point + q);
     step.moving->differentiate(step, group, q, by_place);
@@ -204,6 +240,11 @@ namespace emmy
             for (unsigned int m = 0; m <= dim; ++m)
               z[(dim + 1) * j + m] +=
                 by_q(k, m, a) * displacement[unknown<dim>(nodes[a], j)];
+        if (followed)
+          add_along<dim>(z,
+                         response.shift[k],
+                         response.by_motion[k],
+                         *followed);
         for (unsigned int row = 0; row < n_motion; ++row)
           {
             double sum = 0.; // E z,k
@@ -241,7 +282,9 @@ namespace emmy
 
   template <int dim>
   void
-  CornerForces<dim>::finish(const Group &group, const unsigned int q)
+  CornerForces<dim>::finish(const Group         &group,
+                            const unsigned int   q,
+                            FollowedMotion<dim> *followed)
   {
     if (!acts)
       return;
@@ -265,7 +308,7 @@ namespace emmy
         has_matrix = true;
         along.assign(dim * n, Motion{});
         if (step.moving)
-          follow_places(group, q);
+          follow_places(group, q, followed);
         for (unsigned int a = 0; a < n; ++a)
           for (unsigned int i = 0; i < dim; ++i)
             {

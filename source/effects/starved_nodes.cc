@@ -40,7 +40,8 @@ namespace emmy
                               const PointArrays<dim>    &points,
                               const BackgroundGrid<dim> &grid)
   {
-    classes = aggregation.classify(stencils, points, grid);
+    classes  = aggregation.classify(stencils, points, grid);
+    is_found = false;
   }
 
   template <int dim>
@@ -50,7 +51,16 @@ namespace emmy
                             const BoundaryConditions<dim> &,
                             Couplings<dim> &couplings)
   {
-    found = aggregation.find(classes, stencils, grid);
+    // with classes as they are, whom nodes follow depends on no weights
+    const bool is_known = is_found && stencils.node_ids == node_ids &&
+                          stencils.active_cells == active_cells;
+    if (!dealii::Utilities::MPI::min(is_known ? 1 : 0, grid.communicator()))
+      {
+        found        = aggregation.find(classes, stencils, grid);
+        node_ids     = stencils.node_ids;
+        active_cells = stencils.active_cells;
+        is_found     = true;
+      }
     for (const Follower<dim> &follower : found.followers)
       {
         couplings.tied_nodes.push_back({follower.node_id, {}});

@@ -4,6 +4,7 @@
 
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
+#include <emmy/solve/empty_pairs.h>
 #include <emmy/solve/gmres.h>
 #include <emmy/solve/linear_solver.h>
 #include <emmy/solve/preconditioner.h>
@@ -31,6 +32,14 @@ namespace emmy
     class DirectSolver : public LinearSolver
     {
     public:
+      /** @param n_components unknowns of a node */
+      DirectSolver(const unsigned int n_components,
+                   const EmptyPairs   empty_pairs)
+      {
+        if (empty_pairs == EmptyPairs::left_out)
+          reduced = std::make_unique<WithoutEmptyPairs>(n_components);
+      }
+
       LinearResult
       prepare(const Matrix &matrix, const NodePlaces * = nullptr) override
       {
@@ -104,7 +113,7 @@ namespace emmy
         try
           {
             solver = std::make_unique<TW::SolverDirect>(control);
-            solver->initialize(matrix);
+            solver->initialize(reduced ? (*reduced)(matrix) : matrix);
           }
         catch (const std::exception &)
           {
@@ -113,11 +122,13 @@ namespace emmy
         return agreed(result, matrix.get_mpi_communicator());
       }
 
-      dealii::SolverControl             control;
-      bool                              is_scaled = false;
-      Matrix                            scaled;
-      Vector                            scale;
-      std::unique_ptr<TW::SolverDirect> solver;
+      dealii::SolverControl control;
+      bool                  is_scaled = false;
+      Matrix                scaled;
+      Vector                scale;
+      /** Makes what is factorised; null: it is the matrix itself. */
+      std::unique_ptr<WithoutEmptyPairs> reduced;
+      std::unique_ptr<TW::SolverDirect>  solver;
     };
 
     class KrylovSolver : public LinearSolver
@@ -316,8 +327,10 @@ namespace emmy
     public:
       AutomaticSolver(const std::string &preconditioner,
                       const unsigned int n_components,
-                      LinearSolverState *state_of_run)
+                      LinearSolverState *state_of_run,
+                      const EmptyPairs   empty_pairs)
         : krylov("GMRES", preconditioner, n_components, 300)
+        , direct(n_components, empty_pairs)
         , largest_direct(largest_direct_size(n_components))
         , state(state_of_run ? *state_of_run : own_state)
       {}
@@ -422,7 +435,8 @@ namespace emmy
   make_linear_solver(const SolverParameters &parameters,
                      const std::uint64_t     n_dofs,
                      const unsigned int      n_components,
-                     LinearSolverState      *state)
+                     LinearSolverState      *state,
+                     const EmptyPairs        empty_pairs)
   {
     parameters.validate();
     if (state && state->first_size == 0)
@@ -431,11 +445,12 @@ namespace emmy
     const std::string  &method   = parameters.linear_solver;
     const bool          is_small = size <= (n_components == 2 ? 60000 : 1000);
     if (method == "direct" || (method == "automatic" && is_small))
-      return std::make_unique<DirectSolver>();
+      return std::make_unique<DirectSolver>(n_components, empty_pairs);
     if (method == "automatic")
       return std::make_unique<AutomaticSolver>(parameters.preconditioner,
                                                n_components,
-                                               state);
+                                               state,
+                                               empty_pairs);
     return std::make_unique<KrylovSolver>(method,
                                           parameters.preconditioner,
                                           n_components,

@@ -163,7 +163,8 @@ namespace emmy
       linear_solver = make_linear_solver(solver_parameters,
                                          start->active->n_dofs(),
                                          dim,
-                                         &state.linear_solver);
+                                         &state.linear_solver,
+                                         this->empty_pairs());
     return increment;
   }
 

@@ -285,7 +285,8 @@ namespace emmy
       linear_solver = make_linear_solver(solver_parameters,
                                          solution.displacement.size(),
                                          dim,
-                                         &state.linear_solver);
+                                         &state.linear_solver,
+                                         this->empty_pairs());
     solution.newton = Newton(solver_parameters, *linear_solver, setting.phases)
                         .solve(*solution.in_middle, solution.displacement);
     start = &solution.in_middle->grid_start();
@@ -315,7 +316,8 @@ namespace emmy
       linear_solver = make_linear_solver(solver_parameters,
                                          start.active->n_dofs(),
                                          dim,
-                                         &state.linear_solver);
+                                         &state.linear_solver,
+                                         this->empty_pairs());
     const LinearResult result = map_velocity(setting.method.balance,
                                              data_of(ground, start, 0.),
                                              *linear_solver,

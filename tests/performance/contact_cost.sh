@@ -166,11 +166,11 @@ without "a block" none
 row "tools" tools "$reference" 15
 row "fields" fields "$reference" 15
 without "two blocks, joined, slow" joined
-row "slow, pairs" pairs "$reference" 75
+row "slow, pairs" pairs "$reference" 45
 speed=0.1
 many=4
 without "two blocks, joined, faster" joined
-row "faster, pairs" pairs "$reference" 40
+row "faster, pairs" pairs "$reference" 20
 cells=32
 step=0.025
 without "fine: 3072 particles, 128 meet" joined

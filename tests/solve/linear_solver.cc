@@ -1,9 +1,11 @@
 // What "automatic" does: it takes the direct solver where GMRES fails, and says
 // so; all methods solve regular matrices, with all preconditioners; a singular
-// matrix is reported in words. On any number of ranks, one without rows too.
+// matrix is reported in words; pairs of nodes that do not meet can be left
+// out. On any number of ranks, one without rows too.
 
 #include <deal.II/lac/trilinos_sparsity_pattern.h>
 
+#include <emmy/solve/empty_pairs.h>
 #include <emmy/solve/linear_solver.h>
 
 #include "../check.h"
@@ -291,6 +293,62 @@ namespace
               "automatic: the second try solves an uneven mass to round-off");
       }
   }
+
+  /**
+   * Without pairs of nodes that have nothing in common a matrix is the same;
+   * pairs that come to have something, or no longer do, are seen.
+   */
+  void
+  check_empty_pairs()
+  {
+    constexpr unsigned int n_nodes = n / n_components, far = 7;
+    const auto             row_with = [](const double weight) {
+      return [weight](const unsigned int i) {
+        Entries            entries;
+        const unsigned int node = i / n_components;
+        for (const unsigned int other :
+             {node, (node + 1) % n_nodes, (node + far) % n_nodes})
+          for (unsigned int c = 0; c < n_components; ++c)
+            {
+              const unsigned int j = n_components * other + c;
+              entries.emplace_back(j,
+                                   other == node ? (i == j ? 4. : 0.)
+                                               : other == (node + far) % n_nodes
+                                                 ? weight * wave(i + j)
+                                               : c == i % n_components ? 0.5
+                                                                       : 0.);
+            }
+        return entries;
+      };
+    };
+    Matrix            matrix = make_matrix(row_with(0.));
+    WithoutEmptyPairs without(n_components);
+    const auto        solver = make_linear_solver(
+      SolverParameters(), 900, n_components, nullptr, EmptyPairs::left_out);
+    const Vector b = make_vector(matrix, wave);
+    Vector       x(b), kept(b), all(b);
+    for (const double weight : {0., 0.2, 0., 0.3})
+      {
+        const std::string name = "far pairs times " + std::to_string(weight);
+        for (const auto i : matrix.locally_owned_range_indices())
+          for (const auto &[column, value] : row_with(weight)(i))
+            matrix.set(i, column, value);
+        matrix.compress(dealii::VectorOperation::insert);
+        const Matrix &reduced = without(matrix);
+        check(reduced.n_nonzero_elements() ==
+                (weight == 0. ? 2 : 3) * n_components * n,
+              name + ": entries that are left");
+        reduced.vmult(kept, b);
+        matrix.vmult(all, b);
+        kept -= all;
+        check(kept.linfty_norm() <= 1e-15, name + ": the same matrix");
+        check(solver->prepare(matrix).is_solved &&
+                solver->solve(x, b, 1.).is_solved,
+              name + ": LU");
+        check(matrix.residual(kept, x, b) < 1e-13 * b.l2_norm(),
+              name + ": solution");
+      }
+  }
 } // namespace
 
 int
@@ -301,5 +359,6 @@ main(int argc, char *argv[])
   check_all_methods();
   check_singular();
   check_scaling();
+  check_empty_pairs();
   return test::report();
 }

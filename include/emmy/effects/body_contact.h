@@ -156,8 +156,8 @@ namespace emmy
     /** Pairs of particles whose nodes are those of two lists. */
     struct Clique
     {
-      std::size_t               coupled; ///< in Couplings::node_ids
       std::vector<unsigned int> pairs;
+      std::size_t               coupled; ///< in Couplings::node_ids
     };
     /** A candidate in an evaluation. */
     struct State
@@ -182,6 +182,22 @@ namespace emmy
     in_groups(const Stencils<dim>    &stencils,
               const PointArrays<dim> &points,
               const unsigned int      rank) const;
+    /** Its contact points xi, by body. */
+    static std::vector<std::vector<dealii::Tensor<1, dim>>>
+    contact_points(const ContactRules<dim> &rules);
+    /** Whether the nodes of one candidate come before those of another. */
+    bool
+    is_before(const unsigned int one, const unsigned int other) const
+    {
+      return where[one].ids < where[other].ids;
+    }
+    /** Number the lists of nodes, and find the cliques of what couples. */
+    void
+    find_cliques();
+    /** F at the end of the step into the trial states, of all particles. */
+    void
+    follow_deformation(const StepData<dim> &step,
+                       const Iterate<dim>  &iterate) const;
     CornerMotion<dim>
     particle(const StepData<dim>       &step,
              const Group               &group,
@@ -203,15 +219,10 @@ namespace emmy
     {
       return where[candidate].group != ContactBody<dim>::none;
     }
-    /**
-     * The candidates as they move; @p visit(motion) sees all particles of this
-     * rank. Collective.
-     */
-    template <class Visit>
+    /** The candidates as they move. Collective. */
     std::vector<State>
     states(const StepData<dim>       &step,
-           const std::vector<double> &local_displacement,
-           const Visit               &visit) const;
+           const std::vector<double> &local_displacement) const;
     /** Call visit(pair, key, action) for what acts, also for a moment. */
     template <class Visit>
     void
@@ -220,11 +231,10 @@ namespace emmy
                     const Visit              &visit) const;
     PairPoint<dim>
     point(const State &state, const unsigned int index) const;
-    /** Of the candidates that act. Collective. */
-    std::vector<FollowedMotion<dim>>
-    followed(const StepData<dim>       &step,
-             const std::vector<double> &local_displacement,
-             const std::vector<char>   &acts) const;
+    /** Tell other ranks of the candidates that act. Collective. */
+    void
+    exchange_followed(const std::vector<char>          &acts,
+                      std::vector<FollowedMotion<dim>> &followed) const;
     /** Add the derivative across pairs to the matrix. */
     void
     add_across(const StepData<dim>                    &step,
@@ -245,14 +255,17 @@ namespace emmy
     const std::vector<std::string>          group_names;
     const Fields                            fields;
     const std::vector<ParticleCorners<dim>> corners_of_body;
-    double                                  least_margin; ///< m
-    double                                  margin;       ///< m
-    unsigned int                            here = 0;     ///< this rank
-    Candidates<dim>                         candidates;
-    std::vector<Where>                      where;    ///< of the candidates
-    std::vector<unsigned int>               in_order; ///< of the stencils
-    std::vector<unsigned int>               at_point; ///< candidate, or none
-    std::vector<Clique>                     cliques;
+    /** xi by body and point. */
+    const std::vector<std::vector<dealii::Tensor<1, dim>>> points_of_body;
+    double                                                 least_margin; ///< m
+    double                                                 margin;       ///< m
+    unsigned int              here = 0; ///< this rank
+    Candidates<dim>           candidates;
+    std::vector<PairLaw>      laws;     ///< of their pairs
+    std::vector<Where>        where;    ///< of the candidates
+    std::vector<unsigned int> in_order; ///< of the stencils
+    std::vector<unsigned int> at_point; ///< candidate, or none
+    std::vector<Clique>       cliques;
     /** By pair of candidates; what touches joins. */
     mutable std::vector<char> is_coupled;
     ContactExchange<dim>      exchange;

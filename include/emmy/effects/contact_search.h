@@ -54,6 +54,14 @@ namespace emmy
     PairLaw
     law(const unsigned int first, const unsigned int second) const;
 
+    /** rho of points of two bodies, m. */
+    double
+    reach(const unsigned int first, const unsigned int second) const
+    {
+      return radius * 0.5 * (bodies[first].spacing + bodies[second].spacing) /
+             points_per_direction;
+    }
+
     /** The largest rho of any two bodies, m. */
     double
     largest_reach() const;

@@ -155,9 +155,15 @@ namespace emmy
     void
     add(const PointMotion<dim>                             &forces,
         const std::array<PointMotion<dim>, dim *(dim + 1)> &by_motion);
-    /** Hand the forces on a particle to its nodes, and begin another one. */
+    /**
+     * Hand the forces on a particle to its nodes, and begin another one.
+     * @param followed null: not wanted; else followed_motion() of a particle
+     *   with forces, in an evaluation with derivatives whose places move
+     */
     void
-    finish(const Group &group, const unsigned int q);
+    finish(const Group         &group,
+           const unsigned int   q,
+           FollowedMotion<dim> *followed = nullptr);
     /** Hand the derivatives of a group to the matrix. */
     void
     finish(const Group &group);
@@ -170,7 +176,9 @@ namespace emmy
     using Motion                           = PointMotion<dim>;
 
     void
-    follow_places(const Group &group, const unsigned int q);
+    follow_places(const Group         &group,
+                  const unsigned int   q,
+                  FollowedMotion<dim> *followed);
 
     const StepData<dim>       &step;
     const std::vector<double> &displacement;

@@ -65,6 +65,11 @@ namespace emmy
     const Aggregation<dim> aggregation;
     NodeClasses<dim>       classes, classes_before; ///< of this step, the last
     Aggregates<dim>        found;
+    /** Of the stencils that it was found for; not known once classes are new.
+     */
+    std::vector<dealii::types::global_dof_index> node_ids;
+    std::vector<ActiveCell<dim>>                 active_cells;
+    bool                                         is_found = false;
     /** Of all steps. */
     std::uint64_t most_kept      = 0;
     double        largest_weight = 0.;

@@ -65,6 +65,13 @@ namespace emmy
     unsigned int  n_failures    = 0; ///< of GMRES, which LU solved then
   };
 
+  /** What LU does with pairs of nodes that have nothing in common. */
+  enum class EmptyPairs
+  {
+    kept,
+    left_out ///< see WithoutEmptyPairs
+  };
+
   /**
    * A solver for square, in general non-symmetric, matrices. Owned by the
    * step; used for the point-to-grid map and by Newton.
@@ -129,12 +136,14 @@ namespace emmy
    * @param n_components unknowns per node, for the multigrid's near-kernel
    * @param state        borrowed: where the solver keeps what its choices
    *   depend on; one that knows a first size goes on. Null: in the solver
+   * @param empty_pairs  left out: for matrices of NodeGraph with many of them
    */
   std::unique_ptr<LinearSolver>
   make_linear_solver(const SolverParameters &parameters,
                      const std::uint64_t     n_dofs,
                      const unsigned int      n_components,
-                     LinearSolverState      *state = nullptr);
+                     LinearSolverState      *state       = nullptr,
+                     const EmptyPairs        empty_pairs = EmptyPairs::kept);
 
   /**
    * Solve A x = b to round-off, with constraints C^T A x = C^T b: by iterative

@@ -107,6 +107,13 @@ namespace emmy
       return stage();
     }
 
+    /** For LU: contact couples many nodes that then do not meet. */
+    EmptyPairs
+    empty_pairs() const
+    {
+      return setting.method.balance.couples_by_weights() ? EmptyPairs::left_out
+                                                         : EmptyPairs::kept;
+    }
     /** "Step 3 from t = 0.2 s": the step that comes next. */
     std::string
     where() const;
