@@ -1,4 +1,3 @@
-#include <emmy/effects/node_lanes.h>
 #include <emmy/effects/point_rows.h>
 
 // vectors stay within this file
@@ -30,12 +29,10 @@ namespace emmy
       const auto        *u         = reinterpret_cast<const Nodes *>(point.u);
       const auto         sums      = [&](const double *row, double *result) {
         const auto *of_node = reinterpret_cast<const Nodes *>(row);
-        Nodes       sum[dim];
-        for (int c = 0; c < dim; ++c)
-          sum[c] = of_node[0] * u[c * n];
-        for (unsigned int a = 1; a < n; ++a)
+        Nodes       sum[dim]{};
+        for (Bits a{point.registers}; a; ++a)
           for (int c = 0; c < dim; ++c)
-            sum[c] += of_node[a] * u[c * n + a];
+            sum[c] += of_node[*a] * u[c * n + *a];
         for (int c = 0; c < dim; ++c)
           result[c] = sum_of(sum[c]);
       };
@@ -78,9 +75,10 @@ namespace emmy
               }
           }
 
-      for (unsigned int a = 0; a < n; ++a)
+      for (Bits bits{point.registers}; bits; ++bits)
         {
-          Nodes weight[n_weights], force_by_q[n_used][dim];
+          const unsigned int a = *bits;
+          Nodes              weight[n_weights], force_by_q[n_used][dim];
           for (int l = 0; l < n_weights; ++l)
             weight[l] = weights[l * n + a];
           for (int k = 0; k < n_used; ++k)
@@ -123,7 +121,7 @@ namespace emmy
 
     template <int dim>
     EMMY_INLINE void
-    products(const unsigned int n_points,
+    products(const Reach       &reach,
              const unsigned int n_nodes,
              const bool         is_first,
              const double      *by_motion,
@@ -132,18 +130,19 @@ namespace emmy
     {
       constexpr int      n_weights = dim + 1;
       const unsigned int n         = padded<dim>(n_nodes);
-      add_node_products<dim, n_weights>(
-        n_points,
-        n_nodes,
-        n,
-        is_first,
-        [&](const int q, const int i, const int l, const int j) {
-          return by_motion + (((q * dim + i) * n_weights + l) * dim + j) * n;
-        },
-        [&](const int q, const int, const int l, const int) {
-          return weights + (q * n_weights + l) * n;
-        },
-        sum);
+      for (unsigned int b = 0; b < n; b += node_lanes<dim>)
+        add_node_products<dim, n_weights>(
+          reach,
+          n_nodes,
+          b,
+          is_first,
+          [&](const int q, const int i, const int l, const int j) {
+            return by_motion + (((q * dim + i) * n_weights + l) * dim + j) * n;
+          },
+          [&](const int q, const int, const int l, const int) {
+            return weights + (q * n_weights + l) * n + b;
+          },
+          sum);
     }
   } // namespace
 
@@ -177,24 +176,24 @@ namespace emmy
     }
 
     EMMY_CLONES void
-    add_in_plane(const unsigned int n_points,
+    add_in_plane(const Reach       &reach,
                  const unsigned int n_nodes,
                  const bool         is_first,
                  const double      *by_motion,
                  const double      *weights,
                  double            *sum)
     {
-      products<2>(n_points, n_nodes, is_first, by_motion, weights, sum);
+      products<2>(reach, n_nodes, is_first, by_motion, weights, sum);
     }
     EMMY_CLONES void
-    add_in_space(const unsigned int n_points,
+    add_in_space(const Reach       &reach,
                  const unsigned int n_nodes,
                  const bool         is_first,
                  const double      *by_motion,
                  const double      *weights,
                  double            *sum)
     {
-      products<3>(n_points, n_nodes, is_first, by_motion, weights, sum);
+      products<3>(reach, n_nodes, is_first, by_motion, weights, sum);
     }
   } // namespace point_rows_kernels
 
@@ -221,7 +220,7 @@ namespace emmy
 
   template <int dim>
   void
-  add_products(const unsigned int n_points,
+  add_products(const Reach       &reach,
                const unsigned int n_nodes,
                const bool         is_first,
                const double      *by_motion,
@@ -230,15 +229,15 @@ namespace emmy
   {
     if constexpr (dim == 2)
       point_rows_kernels::add_in_plane(
-        n_points, n_nodes, is_first, by_motion, weights, sum);
+        reach, n_nodes, is_first, by_motion, weights, sum);
     else
       point_rows_kernels::add_in_space(
-        n_points, n_nodes, is_first, by_motion, weights, sum);
+        reach, n_nodes, is_first, by_motion, weights, sum);
   }
 
 #define INSTANTIATE(dim)                              \
   template struct PointRows<dim>;                     \
-  template void add_products<dim>(const unsigned int, \
+  template void add_products<dim>(const Reach &,      \
                                   const unsigned int, \
                                   const bool,         \
                                   const double *,     \
