@@ -1,4 +1,5 @@
 #include <emmy/effects/cell_matrix.h>
+#include <emmy/effects/node_products.h>
 
 #include <algorithm>
 
@@ -19,28 +20,27 @@ namespace emmy
       double       *products, *sum;
     };
 
-    /** Of a register of nodes from b on. */
+    /** Of the four nodes from b on. */
     template <int dim>
     EMMY_INLINE void
     find_products(const Arrays &arrays, const unsigned int b)
     {
-      using Nodes          = typename LanesOf<node_lanes<dim>>::type;
       const unsigned int n = padded<dim>(arrays.n_nodes);
-      for (Bits bits{arrays.reach.points(b, node_lanes<dim>)}; bits; ++bits)
+      for (Bits bits{arrays.reach.points(b)}; bits; ++bits)
         {
           const unsigned int q = *bits;
-          Nodes              slope[dim];
+          FourNodes          slope[dim];
           for (int L = 0; L < dim; ++L)
             slope[L] =
-              arrays.volumes[q] * *reinterpret_cast<const Nodes *>(
+              arrays.volumes[q] * *reinterpret_cast<const FourNodes *>(
                                     arrays.slopes + (q * dim + L) * n + b);
           // of row iJ and column jL
           const double *tangent = arrays.tangents + q * dim * dim * dim * dim;
-          auto         *products =
-            reinterpret_cast<Nodes *>(arrays.products) + q * dim * dim * dim;
+          auto *products = reinterpret_cast<FourNodes *>(arrays.products) +
+                           q * dim * dim * dim;
           for (int iJj = 0; iJj < dim * dim * dim; ++iJj)
             {
-              Nodes product = tangent[dim * iJj] * slope[0];
+              FourNodes product = tangent[dim * iJj] * slope[0];
               for (int L = 1; L < dim; ++L)
                 product += tangent[dim * iJj + L] * slope[L];
               products[iJj] = product;
@@ -53,10 +53,10 @@ namespace emmy
     add_all(const Arrays &arrays)
     {
       const unsigned int n = padded<dim>(arrays.n_nodes);
-      for (unsigned int b = 0; b < n; b += node_lanes<dim>)
+      for (unsigned int b = 0; b < n; b += nodes_at_once)
         {
           find_products<dim>(arrays, b);
-          add_node_products<dim, dim>(
+          add_products_of_nodes<dim, dim>(
             arrays.reach,
             arrays.n_nodes,
             b,
@@ -66,7 +66,7 @@ namespace emmy
             },
             [&](const int q, const int i, const int J, const int j) {
               return arrays.products +
-                     (((q * dim + i) * dim + J) * dim + j) * node_lanes<dim>;
+                     (((q * dim + i) * dim + J) * dim + j) * nodes_at_once;
             },
             arrays.sum);
         }

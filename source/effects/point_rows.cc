@@ -1,3 +1,4 @@
+#include <emmy/effects/node_products.h>
 #include <emmy/effects/point_rows.h>
 
 // vectors stay within this file
@@ -7,32 +8,34 @@ namespace emmy
 {
   namespace
   {
+    /** Of nodes, in a register that PointRows counts. */
+    template <int dim>
+    constexpr unsigned int fours = node_lanes<dim> / nodes_at_once;
+
     /** The sum over the lanes. */
     EMMY_INLINE double
     sum_of(const LanesOf<4>::type &x)
     {
       return (x[0] + x[1]) + (x[2] + x[3]);
     }
-    EMMY_INLINE double
-    sum_of(const LanesOf<8>::type &x)
-    {
-      return ((x[0] + x[1]) + (x[2] + x[3])) + ((x[4] + x[5]) + (x[6] + x[7]));
-    }
 
     template <int dim>
     EMMY_INLINE void
     motion(PointRows<dim> &point)
     {
-      using Nodes                  = typename LanesOf<node_lanes<dim>>::type;
+      using Nodes                  = FourNodes;
       constexpr int      n_weights = dim + 1;
-      const unsigned int n         = point.n_padded / node_lanes<dim>;
+      const unsigned int n         = point.n_padded / nodes_at_once;
       const auto        *u         = reinterpret_cast<const Nodes *>(point.u);
       const auto         sums      = [&](const double *row, double *result) {
         const auto *of_node = reinterpret_cast<const Nodes *>(row);
         Nodes       sum[dim]{};
-        for (Bits a{point.registers}; a; ++a)
-          for (int c = 0; c < dim; ++c)
-            sum[c] += of_node[*a] * u[c * n + *a];
+        for (Bits bits{point.registers}; bits; ++bits)
+          for (unsigned int a = *bits * fours<dim>;
+               a < (*bits + 1) * fours<dim>;
+               ++a)
+            for (int c = 0; c < dim; ++c)
+              sum[c] += of_node[a] * u[c * n + a];
         for (int c = 0; c < dim; ++c)
           result[c] = sum_of(sum[c]);
       };
@@ -49,9 +52,9 @@ namespace emmy
     EMMY_INLINE void
     rows(const PointRows<dim> &point)
     {
-      using Nodes                  = typename LanesOf<node_lanes<dim>>::type;
+      using Nodes                  = FourNodes;
       constexpr int      n_weights = dim + 1;
-      const unsigned int n         = point.n_padded / node_lanes<dim>;
+      const unsigned int n         = point.n_padded / nodes_at_once;
       const auto        *u         = reinterpret_cast<const Nodes *>(point.u);
       const auto *weights = reinterpret_cast<const Nodes *>(point.weights);
       const auto *by_q    = reinterpret_cast<const Nodes *>(point.weights_by_q);
@@ -76,47 +79,48 @@ namespace emmy
           }
 
       for (Bits bits{point.registers}; bits; ++bits)
-        {
-          const unsigned int a = *bits;
-          Nodes              weight[n_weights], force_by_q[n_used][dim];
-          for (int l = 0; l < n_weights; ++l)
-            weight[l] = weights[l * n + a];
-          for (int k = 0; k < n_used; ++k)
-            {
-              const Nodes *here = by_q + point.used[k] * n_weights * n + a;
-              for (int i = 0; i < dim; ++i)
-                {
-                  Nodes sum =
-                    here[0] * (point.lumped * u[i * n + a] + point.w[i]) +
-                    w_by_q[k][i] * weight[0];
-                  for (int J = 0; J < dim; ++J)
-                    sum += point.T[i][J] * here[(1 + J) * n] +
-                           T_by_q[k][i][J] * weight[1 + J];
-                  force_by_q[k][i] = sum;
-                }
-            }
-          diagonal[a] += point.on_diagonal * weight[0] + point.least;
-          for (int i = 0; i < dim; ++i)
-            for (int k = 0; k < n_used; ++k)
-              share[i * n + a] += point.shift[k] * force_by_q[k][i];
-          for (int i = 0; i < dim; ++i)
+        for (unsigned int a = *bits * fours<dim>; a < (*bits + 1) * fours<dim>;
+             ++a)
+          {
+            Nodes weight[n_weights], force_by_q[n_used][dim];
             for (int l = 0; l < n_weights; ++l)
-              for (int j = 0; j < dim; ++j)
-                {
-                  // where places stay a sum of the weights
-                  Nodes sum =
-                    (l == 0 && i == j ? point.consistent : 0.) * weight[0];
-                  if (l > 0)
+              weight[l] = weights[l * n + a];
+            for (int k = 0; k < n_used; ++k)
+              {
+                const Nodes *here = by_q + point.used[k] * n_weights * n + a;
+                for (int i = 0; i < dim; ++i)
+                  {
+                    Nodes sum =
+                      here[0] * (point.lumped * u[i * n + a] + point.w[i]) +
+                      w_by_q[k][i] * weight[0];
                     for (int J = 0; J < dim; ++J)
-                      sum += point.tangent[i * dim + J][j * dim + l - 1] *
-                             weight[1 + J];
-                  // the position alone does not follow L
-                  if (l == 0 || n_used > dim)
-                    for (int k = 0; k < n_used; ++k)
-                      sum += point.by_motion_of_q[k][j][l] * force_by_q[k][i];
-                  result[((i * n_weights + l) * dim + j) * n + a] = sum;
-                }
-        }
+                      sum += point.T[i][J] * here[(1 + J) * n] +
+                             T_by_q[k][i][J] * weight[1 + J];
+                    force_by_q[k][i] = sum;
+                  }
+              }
+            diagonal[a] += point.on_diagonal * weight[0] + point.least;
+            for (int i = 0; i < dim; ++i)
+              for (int k = 0; k < n_used; ++k)
+                share[i * n + a] += point.shift[k] * force_by_q[k][i];
+            for (int i = 0; i < dim; ++i)
+              for (int l = 0; l < n_weights; ++l)
+                for (int j = 0; j < dim; ++j)
+                  {
+                    // where places stay a sum of the weights
+                    Nodes sum =
+                      (l == 0 && i == j ? point.consistent : 0.) * weight[0];
+                    if (l > 0)
+                      for (int J = 0; J < dim; ++J)
+                        sum += point.tangent[i * dim + J][j * dim + l - 1] *
+                               weight[1 + J];
+                    // the position alone does not follow L
+                    if (l == 0 || n_used > dim)
+                      for (int k = 0; k < n_used; ++k)
+                        sum += point.by_motion_of_q[k][j][l] * force_by_q[k][i];
+                    result[((i * n_weights + l) * dim + j) * n + a] = sum;
+                  }
+          }
     }
 
     template <int dim>
@@ -130,8 +134,8 @@ namespace emmy
     {
       constexpr int      n_weights = dim + 1;
       const unsigned int n         = padded<dim>(n_nodes);
-      for (unsigned int b = 0; b < n; b += node_lanes<dim>)
-        add_node_products<dim, n_weights>(
+      for (unsigned int b = 0; b < n; b += nodes_at_once)
+        add_products_of_nodes<dim, n_weights>(
           reach,
           n_nodes,
           b,

@@ -81,64 +81,6 @@ namespace emmy
       bits &= bits - 1;
     }
   };
-
-  /**
-   * sum(i, j, a, b) += sum over points q and terms l of
-   * left(q, i, l, j)[a] right(q, i, l, j)[b], at
-   * [((i dim + j) n_padded + a) n_padded + b], for all a and a full register
-   * of b from @p b on. For functions with clones.
-   *
-   * @param reach    points that do not reach a node are passed over there
-   * @param is_first whether the sum is to begin with these: what stands there
-   *   is not read
-   * @param left,right rows over nodes, aligned to lanes; right from b on
-   */
-  template <int dim, int n_terms, class Left, class Right>
-  EMMY_INLINE void
-  add_node_products(const Reach       &reach,
-                    const unsigned int n_nodes,
-                    const unsigned int b,
-                    const bool         is_first,
-                    const Left        &left,
-                    const Right       &right,
-                    double            *sum)
-  {
-    using Nodes                 = typename LanesOf<node_lanes<dim>>::type;
-    const unsigned int n_padded = padded<dim>(n_nodes);
-    const unsigned int of_b     = reach.points(b, node_lanes<dim>);
-    for (unsigned int a = 0; a < n_nodes; a += nodes_at_once)
-      {
-        unsigned int points[most_points_at_once], n_points = 0;
-        for (Bits q{of_b & reach.points(a)}; q; ++q)
-          points[n_points++] = *q;
-        if (n_points == 0 && !is_first)
-          continue;
-        for (unsigned int i = 0; i < dim; ++i)
-          for (unsigned int j = 0; j < dim; ++j)
-            {
-              double *target =
-                sum + ((i * dim + j) * n_padded + a) * n_padded + b;
-              Nodes of_node[nodes_at_once];
-              for (unsigned int r = 0; r < nodes_at_once; ++r)
-                if (is_first)
-                  of_node[r] = Nodes{};
-                else
-                  of_node[r] =
-                    *reinterpret_cast<const Nodes *>(target + r * n_padded);
-              for (unsigned int k = 0; k < n_points; ++k)
-                for (unsigned int l = 0; l < n_terms; ++l)
-                  {
-                    const double *of_a = left(points[k], i, l, j) + a;
-                    const Nodes   of_b = *reinterpret_cast<const Nodes *>(
-                      right(points[k], i, l, j));
-                    for (unsigned int r = 0; r < nodes_at_once; ++r)
-                      of_node[r] += of_a[r] * of_b;
-                  }
-              for (unsigned int r = 0; r < nodes_at_once; ++r)
-                *reinterpret_cast<Nodes *>(target + r * n_padded) = of_node[r];
-            }
-      }
-  }
 } // namespace emmy
 
 #endif
