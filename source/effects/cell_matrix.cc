@@ -1,5 +1,5 @@
 #include <emmy/effects/cell_matrix.h>
-#include <emmy/effects/node_lanes.h>
+#include <emmy/effects/node_products.h>
 
 #include <algorithm>
 
@@ -13,56 +13,63 @@ namespace emmy
     /** Points and nodes as plain arrays, as CellMatrix has them. */
     struct Arrays
     {
-      unsigned int  n_points, n_nodes, n_padded;
+      const Reach  &reach;
+      unsigned int  n_nodes;
       bool          is_first;
       const double *slopes, *tangents, *volumes;
       double       *products, *sum;
     };
 
+    /** Of the four nodes from b on. */
     template <int dim>
     EMMY_INLINE void
-    find_products(const Arrays &arrays)
+    find_products(const Arrays &arrays, const unsigned int b)
     {
-      using Nodes          = typename LanesOf<node_lanes<dim>>::type;
-      const unsigned int n = arrays.n_padded / node_lanes<dim>;
-      const auto *slopes   = reinterpret_cast<const Nodes *>(arrays.slopes);
-      auto       *products = reinterpret_cast<Nodes *>(arrays.products);
-      for (unsigned int q = 0; q < arrays.n_points; ++q)
-        for (unsigned int b = 0; b < n; ++b)
-          {
-            Nodes slope[dim];
-            for (int L = 0; L < dim; ++L)
-              slope[L] = arrays.volumes[q] * slopes[(q * dim + L) * n + b];
-            // of row iJ and column jL
-            const double *tangent = arrays.tangents + q * dim * dim * dim * dim;
-            for (int iJj = 0; iJj < dim * dim * dim; ++iJj)
-              {
-                Nodes product = tangent[dim * iJj] * slope[0];
-                for (int L = 1; L < dim; ++L)
-                  product += tangent[dim * iJj + L] * slope[L];
-                products[(q * dim * dim * dim + iJj) * n + b] = product;
-              }
-          }
+      const unsigned int n = padded<dim>(arrays.n_nodes);
+      for (Bits bits{arrays.reach.points(b)}; bits; ++bits)
+        {
+          const unsigned int q = *bits;
+          FourNodes          slope[dim];
+          for (int L = 0; L < dim; ++L)
+            slope[L] =
+              arrays.volumes[q] * *reinterpret_cast<const FourNodes *>(
+                                    arrays.slopes + (q * dim + L) * n + b);
+          // of row iJ and column jL
+          const double *tangent = arrays.tangents + q * dim * dim * dim * dim;
+          auto *products = reinterpret_cast<FourNodes *>(arrays.products) +
+                           q * dim * dim * dim;
+          for (int iJj = 0; iJj < dim * dim * dim; ++iJj)
+            {
+              FourNodes product = tangent[dim * iJj] * slope[0];
+              for (int L = 1; L < dim; ++L)
+                product += tangent[dim * iJj + L] * slope[L];
+              products[iJj] = product;
+            }
+        }
     }
 
     template <int dim>
     EMMY_INLINE void
-    add_products(const Arrays &arrays)
+    add_all(const Arrays &arrays)
     {
-      const unsigned int n = arrays.n_padded;
-      add_node_products<dim, dim>(
-        arrays.n_points,
-        arrays.n_nodes,
-        n,
-        arrays.is_first,
-        [&](const int q, const int, const int J, const int) {
-          return arrays.slopes + (q * dim + J) * n;
-        },
-        [&](const int q, const int i, const int J, const int j) {
-          return arrays.products +
-                 ((q * dim * dim + i * dim + J) * dim + j) * n;
-        },
-        arrays.sum);
+      const unsigned int n = padded<dim>(arrays.n_nodes);
+      for (unsigned int b = 0; b < n; b += nodes_at_once)
+        {
+          find_products<dim>(arrays, b);
+          add_products_of_nodes<dim, dim>(
+            arrays.reach,
+            arrays.n_nodes,
+            b,
+            arrays.is_first,
+            [&](const int q, const int, const int J, const int) {
+              return arrays.slopes + (q * dim + J) * n;
+            },
+            [&](const int q, const int i, const int J, const int j) {
+              return arrays.products +
+                     (((q * dim + i) * dim + J) * dim + j) * nodes_at_once;
+            },
+            arrays.sum);
+        }
     }
   } // namespace
 
@@ -72,14 +79,12 @@ namespace emmy
     EMMY_CLONES void
     add_in_plane(const Arrays &arrays)
     {
-      find_products<2>(arrays);
-      add_products<2>(arrays);
+      add_all<2>(arrays);
     }
     EMMY_CLONES void
     add_in_space(const Arrays &arrays)
     {
-      find_products<3>(arrays);
-      add_products<3>(arrays);
+      add_all<3>(arrays);
     }
   } // namespace cell_matrix_kernels
 
@@ -92,45 +97,45 @@ namespace emmy
     sum.resize_fast(dim * dim * n_padded * n_padded);
     is_empty = true;
     slopes.resize_fast(most_points_at_once * dim * n_padded);
-    products.resize_fast(most_points_at_once * dim * dim * dim * n_padded);
+    products.resize_fast(most_points_at_once * dim * dim * dim *
+                         node_lanes<dim>);
   }
 
   template <int dim>
   void
-  CellMatrix<dim>::add(const Points &points)
+  CellMatrix<dim>::add(const NeighbourPoints<dim> &here,
+                       const StressBatch<dim>     &batch,
+                       const double               *volumes)
   {
-    for (unsigned int begin = 0; begin < points.batch.n_points;
-         begin += most_points_at_once)
+    reach.reinit(n_padded);
+    const unsigned int n = here.points.size();
+    std::fill_n(slopes.begin(), n * dim * n_padded, 0.);
+    for (unsigned int k = 0; k < n; ++k)
       {
-        const unsigned int n =
-          std::min(most_points_at_once, points.batch.n_points - begin);
-        for (unsigned int a = 0; a < n_nodes; ++a)
-          for (unsigned int L = 0; L < dim; ++L)
-            {
-              const double *slope =
-                points.stencils.gradient(points.group, a, L) + points.first +
-                begin;
-              for (unsigned int q = 0; q < n; ++q)
-                slopes[(q * dim + L) * n_padded + a] = slope[q];
-            }
-        for (unsigned int row = 0; row < n * dim; ++row)
-          for (unsigned int a = n_nodes; a < n_padded; ++a)
-            slopes[row * n_padded + a] = 0.;
-        const Arrays arrays{n,
-                            n_nodes,
-                            n_padded,
-                            is_empty,
-                            slopes.data(),
-                            points.batch.tangent[begin].begin_raw(),
-                            points.volumes + begin,
-                            products.data(),
-                            sum.data()};
-        if constexpr (dim == 2)
-          cell_matrix_kernels::add_in_plane(arrays);
-        else
-          cell_matrix_kernels::add_in_space(arrays);
-        is_empty = false;
+        const auto &[group, q]     = here.points[k];
+        const unsigned int *places = here.around.places(*group);
+        double             *rows   = &slopes[k * dim * n_padded];
+        for (unsigned int a = 0; a < group->n_nodes; ++a)
+          {
+            reach.add(k, places[a]);
+            for (unsigned int L = 0; L < dim; ++L)
+              rows[L * n_padded + places[a]] =
+                here.stencils.gradient(*group, a, L)[q];
+          }
       }
+    const Arrays arrays{reach,
+                        n_nodes,
+                        is_empty,
+                        slopes.data(),
+                        batch.tangent[here.at].begin_raw(),
+                        volumes + here.at,
+                        products.data(),
+                        sum.data()};
+    if constexpr (dim == 2)
+      cell_matrix_kernels::add_in_plane(arrays);
+    else
+      cell_matrix_kernels::add_in_space(arrays);
+    is_empty = false;
   }
 
   template class CellMatrix<2>;

@@ -1,7 +1,5 @@
 #include <emmy/effects/explicit_force.h>
 
-#include <algorithm>
-
 namespace emmy
 {
   template <int dim>
@@ -30,23 +28,17 @@ namespace emmy
   {
     const auto timed = effect_scope(step.phases, internal_force_effect);
     const auto batch = std::make_unique<Batch>();
-    for (const Group &group : step.stencils.groups)
-      for (unsigned int first = 0; first < group.n_points;
-           first += max_batch_points)
-        {
-          const std::size_t point = group.first_point + first;
-          batch->n_points = std::min(max_batch_points, group.n_points - first);
-          for (unsigned int q = 0; q < batch->n_points; ++q)
-            batch->nominal_stress[q] =
-              mandel::block<dim>(states.stress(step.points, point + q));
-          add_forces(step.stencils,
-                     group,
-                     first,
-                     states.reference_volumes(step.points) + point,
-                     step.start.active->nodes(group),
-                     *batch,
-                     local_force);
-        }
+    for (PointBatch<dim> points(step.stencils); points.next();)
+      {
+        for (unsigned int q = 0; q < points.n_points; ++q)
+          batch->nominal_stress[q] = mandel::block<dim>(
+            states.stress(step.points, points.first_point + q));
+        add_forces(points,
+                   *step.start.active,
+                   states.reference_volumes(step.points),
+                   *batch,
+                   local_force);
+      }
   }
 
   template <int dim>
@@ -58,27 +50,22 @@ namespace emmy
     const auto timed    = effect_scope(step.phases, internal_force_effect);
     const auto batch    = std::make_unique<Batch>();
     batch->with_tangent = false;
-    return states.for_each_group(
-      step.stencils, step.phases, [&](const Group &group) -> std::string {
-        for (unsigned int first = 0; first < group.n_points;
-             first += max_batch_points)
-          {
-            const std::size_t point = group.first_point + first;
-            batch->n_points =
-              std::min(max_batch_points, group.n_points - first);
-            displacement_gradients(step.stencils,
-                                   group,
-                                   first,
-                                   displacement.data(),
-                                   step.start.active->nodes(group),
-                                   *batch);
-            states.read(step.points, group.body, point, *batch);
-            const unsigned int inverted =
-              update_states(states.material(group.body), *batch);
-            if (inverted < batch->n_points)
-              return inverted_particle(step.stencils, point + inverted);
-            states.write(*batch, step.points, group.body, point, trial);
-          }
+    return states.for_each_batch(
+      step.stencils,
+      step.phases,
+      [&](const PointBatch<dim> &points) -> std::string {
+        displacement_gradients(points,
+                               *step.start.active,
+                               displacement,
+                               *batch);
+        states.read(step.points, points.body, points.first_point, *batch);
+        const unsigned int inverted =
+          update_states(states.material(points.body), *batch);
+        if (inverted < points.n_points)
+          return inverted_particle(step.stencils,
+                                   points.first_point + inverted);
+        states.write(
+          *batch, step.points, points.body, points.first_point, trial);
         return {};
       });
   }

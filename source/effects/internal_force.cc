@@ -1,7 +1,4 @@
 #include <emmy/effects/internal_force.h>
-#include <emmy/effects/moving_places.h>
-
-#include <algorithm>
 
 namespace emmy
 {
@@ -35,17 +32,17 @@ namespace emmy
     const auto work          = std::make_unique<Assembly>();
     work->batch.with_tangent = jacobian != nullptr;
     work->nodal_force.resize(dim * step.start.active->n_local_nodes());
-    constexpr unsigned int few = 4; // points in a group
-    if (jacobian &&
-        step.stencils.particles.size() < few * step.stencils.groups.size())
-      work->sum.emplace(step.start.active->graph(), *jacobian);
+    if (jacobian)
+      work->tangent.emplace(step, iterate, *jacobian);
 
-    const std::string problem = states.for_each_group(
-      step.stencils, step.phases, [&](const Group &group) {
-        return add_group(step, iterate, group, *work, jacobian);
-      });
-    if (work->sum)
-      work->sum->flush();
+    const std::string problem =
+      states.for_each_batch(step.stencils,
+                            step.phases,
+                            [&](const PointBatch<dim> &points) {
+                              return add_batch(step, iterate, points, *work);
+                            });
+    if (jacobian)
+      work->tangent->finish();
     step.start.active->add(work->nodal_force,
                            force); // collective: also after a problem
     return problem;
@@ -53,87 +50,44 @@ namespace emmy
 
   template <int dim>
   std::string
-  InternalForce<dim>::add_group(const StepData<dim> &step,
-                                const Iterate<dim>  &iterate,
-                                const Group         &group,
-                                Assembly            &work,
-                                Matrix              *jacobian) const
+  InternalForce<dim>::add_batch(const StepData<dim>   &step,
+                                const Iterate<dim>    &iterate,
+                                const PointBatch<dim> &points,
+                                Assembly              &work) const
   {
-    const ActiveGrid<dim> &active = *step.start.active;
-    const unsigned int    *nodes  = active.nodes(group);
-    if (jacobian && step.moving)
-      step.moving->begin_group(group.n_nodes);
-    else if (jacobian)
-      work.stiffness.reinit(group.n_nodes);
-
-    for (unsigned int first = 0; first < group.n_points;
-         first += max_batch_points)
-      {
-        const std::size_t  point    = group.first_point + first;
-        const unsigned int inverted = evaluate(step,
-                                               group,
-                                               first,
-                                               iterate.local_displacement,
-                                               work.batch,
-                                               work.middle);
-        if (inverted < work.batch.n_points)
-          return inverted_particle(step.stencils, point + inverted);
-
-        states.write(work.batch, step.points, group.body, point, iterate.trial);
-        const double *volumes = states.reference_volumes(step.points) + point;
-        add_forces(step.stencils,
-                   group,
-                   first,
-                   volumes,
-                   nodes,
-                   work.batch,
-                   work.nodal_force);
-        if (jacobian && step.moving)
-          step.moving->add({step,
-                            group,
-                            first,
-                            iterate.local_displacement,
-                            work.batch,
-                            work.middle,
-                            volumes});
-        else if (jacobian)
-          work.stiffness.add(
-            {step.stencils, group, first, work.batch, volumes});
-      }
-    if (!jacobian)
-      return {};
-    const ComponentBlocks blocks =
-      step.moving ? step.moving->finish_group(nodes) : work.stiffness.blocks();
-    if (work.sum)
-      work.sum->add(nodes, blocks);
-    else
-      active.graph().add(nodes, blocks, *jacobian);
+    const std::size_t  first    = points.first_point;
+    const unsigned int inverted = evaluate(
+      step, points, iterate.local_displacement, work.batch, work.middle);
+    if (inverted < points.n_points)
+      return inverted_particle(step.stencils, first + inverted);
+    states.write(work.batch, step.points, points.body, first, iterate.trial);
+    const double *volumes = states.reference_volumes(step.points);
+    add_forces(
+      points, *step.start.active, volumes, work.batch, work.nodal_force);
+    if (work.tangent)
+      work.tangent->add(points, {work.batch, work.middle, volumes + first});
     return {};
   }
 
   template <int dim>
   unsigned int
   InternalForce<dim>::evaluate(const StepData<dim>       &step,
-                               const Group               &group,
-                               const unsigned int         first,
+                               const PointBatch<dim>     &points,
                                const std::vector<double> &local_displacement,
                                StressBatch<dim>          &batch,
                                MiddleStep<dim>           &middle) const
   {
-    const std::size_t point = group.first_point + first;
-    batch.n_points = std::min(max_batch_points, group.n_points - first);
-    displacement_gradients(step.stencils,
-                           group,
-                           first,
-                           local_displacement.data(),
-                           step.start.active->nodes(group),
+    displacement_gradients(points,
+                           *step.start.active,
+                           local_displacement,
                            batch);
-    states.read(step.points, group.body, point, batch);
+    states.read(step.points, points.body, points.first_point, batch);
+    const Material<dim> &material = states.material(points.body);
     if (!step.stencils.at_middle)
-      return rule.evaluate(states.material(group.body), batch);
+      return rule.evaluate(material, batch);
     unsigned int inverted = middle.to_start(batch);
     if (inverted == batch.n_points)
-      inverted = rule.evaluate(states.material(group.body), batch);
+      inverted = rule.evaluate(material, batch);
     if (inverted == batch.n_points)
       middle.to_middle(batch);
     return inverted;
@@ -150,16 +104,14 @@ namespace emmy
     batch->with_tangent  = false;
     MiddleStep<dim> middle;
     double          result = 0.;
-    for (const Group &group : step.stencils.groups)
-      for (unsigned int first = 0; first < group.n_points;
-           first += max_batch_points)
-        {
-          evaluate(step, group, first, local, *batch, middle);
-          for (unsigned int q = 0; q < batch->n_points; ++q)
-            result += volume[group.first_point + first + q] *
-                      scalar_product(batch->nominal_stress[q],
-                                     batch->displacement_gradient[q]);
-        }
+    for (PointBatch<dim> points(step.stencils); points.next();)
+      {
+        evaluate(step, points, local, *batch, middle);
+        for (unsigned int q = 0; q < points.n_points; ++q)
+          result += volume[points.first_point + q] *
+                    scalar_product(batch->nominal_stress[q],
+                                   batch->displacement_gradient[q]);
+      }
     return result;
   }
 

@@ -1,9 +1,9 @@
 #include <emmy/effects/cell_products.h>
 #include <emmy/effects/mean_dilatation.h>
-#include <emmy/effects/moving_places.h>
-#include <emmy/system/block_sum.h>
+#include <emmy/effects/stress_tangent.h>
 
 #include <algorithm>
+#include <optional>
 
 namespace emmy
 {
@@ -125,14 +125,12 @@ namespace emmy
 
   template <int dim>
   void
-  MeanDilatation<dim>::begin_batch(const Group       &group,
-                                   const unsigned int first) const
+  MeanDilatation<dim>::begin_batch(const PointBatch<dim> &points) const
   {
     auto &batch    = work->batch;
-    batch.n_points = std::min(max_batch_points, group.n_points - first);
+    batch.n_points = points.n_points;
     for (unsigned int q = 0; q < batch.n_points; ++q)
-      batch.displacement_gradient[q] =
-        work->gradients[group.first_point + first + q];
+      batch.displacement_gradient[q] = work->gradients[points.first_point + q];
   }
 
   template <int dim>
@@ -146,41 +144,36 @@ namespace emmy
     auto         &batch   = work->batch;
     const double *volumes = states.reference_volumes(step.points);
     const double *ratios  = step.points.component(volume_ratio_less_one);
-    for (const Group &group : step.stencils.groups)
-      for (unsigned int first = 0; first < group.n_points;
-           first += max_batch_points)
-        {
-          const std::size_t point = group.first_point + first;
-          batch.n_points = std::min(max_batch_points, group.n_points - first);
-          displacement_gradients(step.stencils,
-                                 group,
-                                 first,
-                                 iterate.local_displacement.data(),
-                                 step.start.active->nodes(group),
-                                 batch);
-          for (unsigned int q = 0; q < batch.n_points; ++q)
-            work->gradients[point + q] = batch.displacement_gradient[q];
-          if (step.stencils.at_middle)
-            {
-              const unsigned int inverted = work->middle.to_start(batch);
-              if (inverted < batch.n_points)
-                return inverted_particle(step.stencils, point + inverted);
-            }
-          for (unsigned int q = 0; q < batch.n_points; ++q)
-            {
-              const std::size_t p    = point + q;
-              CellPoint<dim>   &here = work->points[p];
-              auto             &pool = work->cells.pool_of(p);
-              here.volume_ratio      = 1. + ratios[p];
-              here.own_change =
-                volume_change<dim>(batch.displacement_gradient[q]);
-              if (!(here.own_change > -1.)) // NaN too
-                return inverted_particle(step.stencils, p);
-              const double V = volumes[p] * here.volume_ratio;
-              pool.volume += V;
-              pool.change += V * here.own_change;
-            }
-        }
+    for (PointBatch<dim> points(step.stencils); points.next();)
+      {
+        const std::size_t first = points.first_point;
+        displacement_gradients(points,
+                               *step.start.active,
+                               iterate.local_displacement,
+                               batch);
+        for (unsigned int q = 0; q < batch.n_points; ++q)
+          work->gradients[first + q] = batch.displacement_gradient[q];
+        if (step.stencils.at_middle)
+          {
+            const unsigned int inverted = work->middle.to_start(batch);
+            if (inverted < batch.n_points)
+              return inverted_particle(step.stencils, first + inverted);
+          }
+        for (unsigned int q = 0; q < batch.n_points; ++q)
+          {
+            const std::size_t p    = first + q;
+            CellPoint<dim>   &here = work->points[p];
+            auto             &pool = work->cells.pool_of(p);
+            here.volume_ratio      = 1. + ratios[p];
+            here.own_change =
+              volume_change<dim>(batch.displacement_gradient[q]);
+            if (!(here.own_change > -1.)) // NaN too
+              return inverted_particle(step.stencils, p);
+            const double V = volumes[p] * here.volume_ratio;
+            pool.volume += V;
+            pool.change += V * here.own_change;
+          }
+      }
     for (auto &pool : work->cells.pools)
       pool.change /= pool.volume;
     for (std::size_t p = 0; p < work->points.size(); ++p)
@@ -195,29 +188,26 @@ namespace emmy
   {
     auto             &batch   = work->batch;
     const double     *volumes = states.reference_volumes(step.points);
-    const std::string problem = states.for_each_group(
-      step.stencils, step.phases, [&](const Group &group) -> std::string {
-        for (unsigned int first = 0; first < group.n_points;
-             first += max_batch_points)
+    const std::string problem = states.for_each_batch(
+      step.stencils,
+      step.phases,
+      [&](const PointBatch<dim> &points) -> std::string {
+        const std::size_t first = points.first_point;
+        begin_batch(points);
+        if (step.stencils.at_middle)
+          work->middle.to_start(batch);
+        states.read(step.points, points.body, first, batch);
+        rule.own_stress(states.material(points.body),
+                        batch,
+                        &work->points[first]);
+        states.write(batch, step.points, points.body, first, iterate.trial);
+        for (unsigned int q = 0; q < batch.n_points; ++q)
           {
-            const std::size_t point = group.first_point + first;
-            begin_batch(group, first);
-            if (step.stencils.at_middle)
-              work->middle.to_start(batch);
-            states.read(step.points, group.body, point, batch);
-            rule.own_stress(states.material(group.body),
-                            batch,
-                            &work->points[point]);
-            states.write(batch, step.points, group.body, point, iterate.trial);
-            for (unsigned int q = 0; q < batch.n_points; ++q)
-              {
-                const CellPoint<dim> &here = work->points[point + q];
-                auto                 &pool = work->cells.pool_of(point + q);
-                pool.stress += volumes[point + q] * here.mean_stress;
-                pool.stress_end += volumes[point + q] * here.mean_stress_end;
-                pool.own_by_mean +=
-                  volumes[point + q] * here.mean_stress_by_mean;
-              }
+            const CellPoint<dim> &here = work->points[first + q];
+            auto                 &pool = work->cells.pool_of(first + q);
+            pool.stress += volumes[first + q] * here.mean_stress;
+            pool.stress_end += volumes[first + q] * here.mean_stress_end;
+            pool.own_by_mean += volumes[first + q] * here.mean_stress_by_mean;
           }
         return {};
       });
@@ -247,64 +237,29 @@ namespace emmy
                                     const Iterate<dim>  &iterate,
                                     Matrix              *jacobian) const
   {
-    const ActiveGrid<dim>       &active = *step.start.active;
-    auto                        &batch  = work->batch;
-    std::optional<BlockSum<dim>> sum;
-    constexpr unsigned int       few = 4; // points in a group
-    if (jacobian &&
-        step.stencils.particles.size() < few * step.stencils.groups.size())
-      sum.emplace(active.graph(), *jacobian);
-    for (const Group &group : step.stencils.groups)
+    auto         &batch   = work->batch;
+    const double *volumes = states.reference_volumes(step.points);
+    std::optional<StressTangent<dim>> tangent;
+    if (jacobian)
+      tangent.emplace(step, iterate, *jacobian);
+    for (PointBatch<dim> points(step.stencils); points.next();)
       {
-        const unsigned int *nodes = active.nodes(group);
-        if (jacobian && step.moving)
-          step.moving->begin_group(group.n_nodes);
-        else if (jacobian)
-          work->stiffness.reinit(group.n_nodes);
-        for (unsigned int first = 0; first < group.n_points;
-             first += max_batch_points)
-          {
-            const std::size_t point = group.first_point + first;
-            const double     *volumes =
-              states.reference_volumes(step.points) + point;
-            begin_batch(group, first);
-            find_whole_stresses(step, point);
-            for (unsigned int q = 0; q < batch.n_points; ++q)
-              work->energy +=
-                volumes[q] * scalar_product(batch.nominal_stress[q],
-                                            batch.displacement_gradient[q]);
-            add_forces(step.stencils,
-                       group,
-                       first,
-                       volumes,
-                       nodes,
-                       batch,
-                       work->nodal_force);
-            if (jacobian && step.moving)
-              step.moving->add({step,
-                                group,
-                                first,
-                                iterate.local_displacement,
-                                batch,
-                                work->middle,
-                                volumes,
-                                &work->box_scales[point]});
-            else if (jacobian)
-              work->stiffness.add(
-                {step.stencils, group, first, batch, volumes});
-          }
-        if (!jacobian)
-          continue;
-        const ComponentBlocks blocks = step.moving
-                                         ? step.moving->finish_group(nodes)
-                                         : work->stiffness.blocks();
-        if (sum)
-          sum->add(nodes, blocks);
-        else
-          active.graph().add(nodes, blocks, *jacobian);
+        const std::size_t first = points.first_point;
+        begin_batch(points);
+        find_whole_stresses(step, first);
+        for (unsigned int q = 0; q < batch.n_points; ++q)
+          work->energy +=
+            volumes[first + q] * scalar_product(batch.nominal_stress[q],
+                                                batch.displacement_gradient[q]);
+        add_forces(
+          points, *step.start.active, volumes, batch, work->nodal_force);
+        if (jacobian)
+          tangent->add(
+            points,
+            {batch, work->middle, volumes + first, &work->box_scales[first]});
       }
-    if (sum)
-      sum->flush();
+    if (jacobian)
+      tangent->finish();
   }
 
   template <int dim>

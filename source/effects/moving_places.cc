@@ -188,12 +188,12 @@ namespace emmy
 
   template <int dim>
   void
-  MovingPlaces<dim>::begin_group(const unsigned int n_nodes)
+  MovingPlaces<dim>::begin_neighbourhood(const Neighbourhood<dim>  &around,
+                                         const std::vector<double> &u)
   {
-    const unsigned int n = padded<dim>(n_nodes);
-    work.n_nodes         = n_nodes;
-    work.n_padded        = n;
-    const auto begin     = [](Rows &rows, const unsigned int size) {
+    work.n_nodes         = around.nodes().size();
+    const unsigned int n = work.n_padded = padded<dim>(work.n_nodes);
+    const auto         begin = [](Rows &rows, const unsigned int size) {
       rows.resize_fast(size);
       std::fill(rows.begin(), rows.end(), 0.);
     };
@@ -201,75 +201,89 @@ namespace emmy
     work.is_empty = true;
     begin(work.share, dim * n);
     begin(work.diagonal, n);
-    work.u.resize_fast(dim * n);
+    begin(work.u, dim * n);
+    for (unsigned int a = 0; a < work.n_nodes; ++a)
+      for (unsigned int c = 0; c < dim; ++c)
+        work.u[c * n + a] = u[unknown<dim>(around.nodes()[a], c)];
     work.weights.resize_fast(most_points_at_once * (dim + 1) * n);
     work.by_motion.resize_fast(most_points_at_once * dim * (dim + 1) * dim * n);
+    work.weights_by_q.resize_fast(nq * (dim + 1) * n);
   }
 
   template <int dim>
   void
   MovingPlaces<dim>::add(const Points &points)
   {
-    const unsigned int *nodes = points.step.start.active->nodes(points.group);
-    const unsigned int  n     = work.n_padded;
-    std::fill(work.u.begin(), work.u.end(), 0.);
-    for (unsigned int a = 0; a < work.n_nodes; ++a)
-      for (unsigned int c = 0; c < dim; ++c)
-        work.u[c * n + a] =
-          points.local_displacement[unknown<dim>(nodes[a], c)];
-    for (unsigned int begin = 0; begin < points.batch.n_points;
-         begin += most_points_at_once)
+    set_weights(points.here);
+    for (unsigned int at = 0; at < points.here.points.size(); ++at)
+      add_point(points, at);
+    add_products<dim>(work.reach,
+                      work.n_nodes,
+                      work.is_empty,
+                      work.by_motion.data(),
+                      work.weights.data(),
+                      work.sum.data());
+    work.is_empty = false;
+  }
+
+  template <int dim>
+  void
+  MovingPlaces<dim>::set_weights(const NeighbourPoints<dim> &here)
+  {
+    const unsigned int n = work.n_padded;
+    work.reach.reinit(n);
+    std::fill_n(work.weights.begin(), here.points.size() * (dim + 1) * n, 0.);
+    double *rows = work.weights.data();
+    for (unsigned int at = 0; at < here.points.size(); ++at)
       {
-        const unsigned int end =
-          std::min(begin + most_points_at_once, points.batch.n_points);
-        set_weights(points, begin, end);
-        for (unsigned int i = begin; i < end; ++i)
-          add_point(points, i, i - begin);
-        add_products<dim>(end - begin,
-                          work.n_nodes,
-                          work.is_empty,
-                          work.by_motion.data(),
-                          work.weights.data(),
-                          work.sum.data());
-        work.is_empty = false;
+        const auto &[group, q]     = here.points[at];
+        const unsigned int *places = here.around.places(*group);
+        for (unsigned int a = 0; a < group->n_nodes; ++a)
+          {
+            work.reach.add(at, places[a]);
+            rows[places[a]] = here.stencils.value(*group, a)[q];
+            for (unsigned int d = 0; d < dim; ++d)
+              rows[(1 + d) * n + places[a]] =
+                here.stencils.gradient(*group, a, d)[q];
+          }
+        rows += (dim + 1) * n;
       }
   }
 
   template <int dim>
   void
-  MovingPlaces<dim>::set_weights(const Points      &points,
-                                 const unsigned int begin,
-                                 const unsigned int end)
+  MovingPlaces<dim>::set_weights_by_place(const NeighbourPoints<dim> &here,
+                                          const unsigned int          at)
   {
-    const unsigned int n = work.n_padded;
-    const auto         place =
-      [&](const double *of_points, const unsigned int a, const unsigned int l) {
-        double *to = &work.weights[l * n + a];
-        for (unsigned int q = points.first + begin; q < points.first + end;
-             ++q, to += (dim + 1) * n)
-          *to = of_points ? of_points[q] : 0.;
-      };
-    const Stencils<dim> &stencils = points.step.stencils;
-    for (unsigned int a = 0; a < work.n_nodes; ++a)
-      {
-        place(stencils.value(points.group, a), a, 0);
-        for (unsigned int d = 0; d < dim; ++d)
-          place(stencils.gradient(points.group, a, d), a, 1 + d);
-      }
-    for (unsigned int a = work.n_nodes; a < n; ++a)
-      for (unsigned int l = 0; l <= dim; ++l)
-        place(nullptr, a, l);
+    const auto &[group, q]     = here.points[at];
+    const unsigned int *places = here.around.places(*group);
+    const unsigned int  n      = work.n_padded;
+    rules.shape_functions.differentiate(
+      this->places,
+      here.stencils.order[group->first_point + q],
+      *group,
+      rules.grid,
+      work.derivatives);
+    for (unsigned int k = 0; k < (has_boxes ? nq : dim); ++k)
+      for (unsigned int l = 0; l <= dim && work.derivatives.depends[k]; ++l)
+        {
+          double       *to   = &work.weights_by_q[(k * (dim + 1) + l) * n];
+          const double *from = work.derivatives.row(k, l);
+          std::fill_n(to, n, 0.);
+          for (unsigned int a = 0; a < group->n_nodes; ++a)
+            to[places[a]] = from[a];
+        }
   }
 
   template <int dim>
   ComponentBlocks
-  MovingPlaces<dim>::finish_group(const unsigned int *nodes)
+  MovingPlaces<dim>::finish_neighbourhood(const Neighbourhood<dim> &around)
   {
     const std::size_t n = work.n_padded;
     for (unsigned int a = 0; a < work.n_nodes; ++a)
       for (unsigned int i = 0; i < dim; ++i)
         {
-          share[unknown<dim>(nodes[a], i)] += work.share[i * n + a];
+          share[unknown<dim>(around.nodes()[a], i)] += work.share[i * n + a];
           work.sum[((i * dim + i) * n + a) * n + a] += work.diagonal[a];
         }
     return {work.sum.data(), work.n_nodes, dim * n * n, n * n, n};
@@ -277,31 +291,30 @@ namespace emmy
 
   template <int dim>
   void
-  MovingPlaces<dim>::add_point(const Points      &points,
-                               const unsigned int in_batch,
-                               const unsigned int at)
+  MovingPlaces<dim>::add_point(const Points &points, const unsigned int at)
   {
-    const Stencils<dim> &stencils = points.step.stencils;
-    const std::size_t    p = points.group.first_point + points.first + in_batch;
-    const unsigned int   n = work.n_padded;
-    rules.shape_functions.differentiate(
-      places, stencils.order[p], points.group, rules.grid, work.derivatives);
+    const NeighbourPoints<dim> &here = points.here;
+    const std::size_t           p =
+      here.points[at].group->first_point + here.points[at].q;
+    const unsigned int n = work.n_padded;
+    set_weights_by_place(here, at);
 
     PointRows<dim> point;
-    point.n_padded = n;
-    point.n_used   = 0;
+    point.n_padded  = n;
+    point.registers = work.reach.template registers<node_lanes<dim>>(at);
+    point.n_used    = 0;
     for (unsigned int k = 0; k < (has_boxes ? nq : dim); ++k)
       if (work.derivatives.depends[k])
         point.used[point.n_used++] = k;
     point.u            = work.u.data();
     point.weights      = &work.weights[at * (dim + 1) * n];
-    point.weights_by_q = work.derivatives.rows.data();
+    point.weights_by_q = work.weights_by_q.data();
     point.by_motion    = &work.by_motion[at * dim * (dim + 1) * dim * n];
     point.share        = work.share.data();
     point.diagonal     = work.diagonal.data();
     point.find_motion();
-    responses[p] = response(points, in_batch, point);
-    set_force(points, in_batch, point);
+    responses[p] = response(points, at, point);
+    set_force(points, at, point);
     for (unsigned int k = 0; k < point.n_used; ++k)
       {
         point.shift[k] = responses[p].shift[point.used[k]];
@@ -316,17 +329,19 @@ namespace emmy
   template <int dim>
   typename MovingPlaces<dim>::Response
   MovingPlaces<dim>::response(const Points         &points,
-                              const unsigned int    in_batch,
+                              const unsigned int    at,
                               const PointRows<dim> &point)
   {
-    const StepData<dim> &step = points.step;
-    const std::size_t    p = points.group.first_point + points.first + in_batch;
-    const std::size_t    i = step.stencils.order[p];
-    MiddleBox<dim>       middle;
+    const StepData<dim> &step   = points.step;
+    const auto &[group, q]      = points.here.points[at];
+    const unsigned int in_batch = points.here.at + at;
+    const std::size_t  p        = group->first_point + q;
+    const std::size_t  i        = step.stencils.order[p];
+    MiddleBox<dim>     middle;
     if (has_boxes)
       middle = rules.domain_update->middle(step.points,
                                            p,
-                                           points.group.body,
+                                           group->body,
                                            points.middle.from_start(in_batch));
     if (has_boxes && points.box_scales)
       for (unsigned int d = 0; d < dim; ++d)
@@ -359,17 +374,19 @@ namespace emmy
   template <int dim>
   void
   MovingPlaces<dim>::set_force(const Points      &points,
-                               const unsigned int in_batch,
+                               const unsigned int at,
                                PointRows<dim>    &point) const
   {
     // the force of a point at a node is S_A w + T grad S_A, with
     // w = m 2/dt (Su/dt - v) - b; lumped mass sees u_A in place of Su
-    const StepData<dim> &step = points.step;
-    const std::size_t    p = points.group.first_point + points.first + in_batch;
-    const double         rate    = 2. / step.time_step;
-    const double         m       = step.points.component(mass)[p];
-    const double         inertia = inertia_factor(step.time_step) * m;
-    const double         volume  = points.volumes[in_batch];
+    const StepData<dim> &step   = points.step;
+    const auto &[group, q]      = points.here.points[at];
+    const unsigned int in_batch = points.here.at + at;
+    const std::size_t  p        = group->first_point + q;
+    const double       rate     = 2. / step.time_step;
+    const double       m        = step.points.component(mass)[p];
+    const double       inertia  = inertia_factor(step.time_step) * m;
+    const double       volume   = points.volumes[in_batch];
 
     point.lumped      = rules.mapping.lumping * inertia;
     point.consistent  = inertia - point.lumped;

@@ -1,4 +1,4 @@
-#include <emmy/effects/node_lanes.h>
+#include <emmy/effects/node_products.h>
 #include <emmy/effects/point_rows.h>
 
 // vectors stay within this file
@@ -8,34 +8,34 @@ namespace emmy
 {
   namespace
   {
+    /** Of nodes, in a register that PointRows counts. */
+    template <int dim>
+    constexpr unsigned int fours = node_lanes<dim> / nodes_at_once;
+
     /** The sum over the lanes. */
     EMMY_INLINE double
     sum_of(const LanesOf<4>::type &x)
     {
       return (x[0] + x[1]) + (x[2] + x[3]);
     }
-    EMMY_INLINE double
-    sum_of(const LanesOf<8>::type &x)
-    {
-      return ((x[0] + x[1]) + (x[2] + x[3])) + ((x[4] + x[5]) + (x[6] + x[7]));
-    }
 
     template <int dim>
     EMMY_INLINE void
     motion(PointRows<dim> &point)
     {
-      using Nodes                  = typename LanesOf<node_lanes<dim>>::type;
+      using Nodes                  = FourNodes;
       constexpr int      n_weights = dim + 1;
-      const unsigned int n         = point.n_padded / node_lanes<dim>;
+      const unsigned int n         = point.n_padded / nodes_at_once;
       const auto        *u         = reinterpret_cast<const Nodes *>(point.u);
       const auto         sums      = [&](const double *row, double *result) {
         const auto *of_node = reinterpret_cast<const Nodes *>(row);
-        Nodes       sum[dim];
-        for (int c = 0; c < dim; ++c)
-          sum[c] = of_node[0] * u[c * n];
-        for (unsigned int a = 1; a < n; ++a)
-          for (int c = 0; c < dim; ++c)
-            sum[c] += of_node[a] * u[c * n + a];
+        Nodes       sum[dim]{};
+        for (Bits bits{point.registers}; bits; ++bits)
+          for (unsigned int a = *bits * fours<dim>;
+               a < (*bits + 1) * fours<dim>;
+               ++a)
+            for (int c = 0; c < dim; ++c)
+              sum[c] += of_node[a] * u[c * n + a];
         for (int c = 0; c < dim; ++c)
           result[c] = sum_of(sum[c]);
       };
@@ -52,9 +52,9 @@ namespace emmy
     EMMY_INLINE void
     rows(const PointRows<dim> &point)
     {
-      using Nodes                  = typename LanesOf<node_lanes<dim>>::type;
+      using Nodes                  = FourNodes;
       constexpr int      n_weights = dim + 1;
-      const unsigned int n         = point.n_padded / node_lanes<dim>;
+      const unsigned int n         = point.n_padded / nodes_at_once;
       const auto        *u         = reinterpret_cast<const Nodes *>(point.u);
       const auto *weights = reinterpret_cast<const Nodes *>(point.weights);
       const auto *by_q    = reinterpret_cast<const Nodes *>(point.weights_by_q);
@@ -78,52 +78,54 @@ namespace emmy
               }
           }
 
-      for (unsigned int a = 0; a < n; ++a)
-        {
-          Nodes weight[n_weights], force_by_q[n_used][dim];
-          for (int l = 0; l < n_weights; ++l)
-            weight[l] = weights[l * n + a];
-          for (int k = 0; k < n_used; ++k)
-            {
-              const Nodes *here = by_q + point.used[k] * n_weights * n + a;
-              for (int i = 0; i < dim; ++i)
-                {
-                  Nodes sum =
-                    here[0] * (point.lumped * u[i * n + a] + point.w[i]) +
-                    w_by_q[k][i] * weight[0];
-                  for (int J = 0; J < dim; ++J)
-                    sum += point.T[i][J] * here[(1 + J) * n] +
-                           T_by_q[k][i][J] * weight[1 + J];
-                  force_by_q[k][i] = sum;
-                }
-            }
-          diagonal[a] += point.on_diagonal * weight[0] + point.least;
-          for (int i = 0; i < dim; ++i)
-            for (int k = 0; k < n_used; ++k)
-              share[i * n + a] += point.shift[k] * force_by_q[k][i];
-          for (int i = 0; i < dim; ++i)
+      for (Bits bits{point.registers}; bits; ++bits)
+        for (unsigned int a = *bits * fours<dim>; a < (*bits + 1) * fours<dim>;
+             ++a)
+          {
+            Nodes weight[n_weights], force_by_q[n_used][dim];
             for (int l = 0; l < n_weights; ++l)
-              for (int j = 0; j < dim; ++j)
-                {
-                  // where places stay a sum of the weights
-                  Nodes sum =
-                    (l == 0 && i == j ? point.consistent : 0.) * weight[0];
-                  if (l > 0)
+              weight[l] = weights[l * n + a];
+            for (int k = 0; k < n_used; ++k)
+              {
+                const Nodes *here = by_q + point.used[k] * n_weights * n + a;
+                for (int i = 0; i < dim; ++i)
+                  {
+                    Nodes sum =
+                      here[0] * (point.lumped * u[i * n + a] + point.w[i]) +
+                      w_by_q[k][i] * weight[0];
                     for (int J = 0; J < dim; ++J)
-                      sum += point.tangent[i * dim + J][j * dim + l - 1] *
-                             weight[1 + J];
-                  // the position alone does not follow L
-                  if (l == 0 || n_used > dim)
-                    for (int k = 0; k < n_used; ++k)
-                      sum += point.by_motion_of_q[k][j][l] * force_by_q[k][i];
-                  result[((i * n_weights + l) * dim + j) * n + a] = sum;
-                }
-        }
+                      sum += point.T[i][J] * here[(1 + J) * n] +
+                             T_by_q[k][i][J] * weight[1 + J];
+                    force_by_q[k][i] = sum;
+                  }
+              }
+            diagonal[a] += point.on_diagonal * weight[0] + point.least;
+            for (int i = 0; i < dim; ++i)
+              for (int k = 0; k < n_used; ++k)
+                share[i * n + a] += point.shift[k] * force_by_q[k][i];
+            for (int i = 0; i < dim; ++i)
+              for (int l = 0; l < n_weights; ++l)
+                for (int j = 0; j < dim; ++j)
+                  {
+                    // where places stay a sum of the weights
+                    Nodes sum =
+                      (l == 0 && i == j ? point.consistent : 0.) * weight[0];
+                    if (l > 0)
+                      for (int J = 0; J < dim; ++J)
+                        sum += point.tangent[i * dim + J][j * dim + l - 1] *
+                               weight[1 + J];
+                    // the position alone does not follow L
+                    if (l == 0 || n_used > dim)
+                      for (int k = 0; k < n_used; ++k)
+                        sum += point.by_motion_of_q[k][j][l] * force_by_q[k][i];
+                    result[((i * n_weights + l) * dim + j) * n + a] = sum;
+                  }
+          }
     }
 
     template <int dim>
     EMMY_INLINE void
-    products(const unsigned int n_points,
+    products(const Reach       &reach,
              const unsigned int n_nodes,
              const bool         is_first,
              const double      *by_motion,
@@ -132,18 +134,19 @@ namespace emmy
     {
       constexpr int      n_weights = dim + 1;
       const unsigned int n         = padded<dim>(n_nodes);
-      add_node_products<dim, n_weights>(
-        n_points,
-        n_nodes,
-        n,
-        is_first,
-        [&](const int q, const int i, const int l, const int j) {
-          return by_motion + (((q * dim + i) * n_weights + l) * dim + j) * n;
-        },
-        [&](const int q, const int, const int l, const int) {
-          return weights + (q * n_weights + l) * n;
-        },
-        sum);
+      for (unsigned int b = 0; b < n; b += nodes_at_once)
+        add_products_of_nodes<dim, n_weights>(
+          reach,
+          n_nodes,
+          b,
+          is_first,
+          [&](const int q, const int i, const int l, const int j) {
+            return by_motion + (((q * dim + i) * n_weights + l) * dim + j) * n;
+          },
+          [&](const int q, const int, const int l, const int) {
+            return weights + (q * n_weights + l) * n + b;
+          },
+          sum);
     }
   } // namespace
 
@@ -177,24 +180,24 @@ namespace emmy
     }
 
     EMMY_CLONES void
-    add_in_plane(const unsigned int n_points,
+    add_in_plane(const Reach       &reach,
                  const unsigned int n_nodes,
                  const bool         is_first,
                  const double      *by_motion,
                  const double      *weights,
                  double            *sum)
     {
-      products<2>(n_points, n_nodes, is_first, by_motion, weights, sum);
+      products<2>(reach, n_nodes, is_first, by_motion, weights, sum);
     }
     EMMY_CLONES void
-    add_in_space(const unsigned int n_points,
+    add_in_space(const Reach       &reach,
                  const unsigned int n_nodes,
                  const bool         is_first,
                  const double      *by_motion,
                  const double      *weights,
                  double            *sum)
     {
-      products<3>(n_points, n_nodes, is_first, by_motion, weights, sum);
+      products<3>(reach, n_nodes, is_first, by_motion, weights, sum);
     }
   } // namespace point_rows_kernels
 
@@ -221,7 +224,7 @@ namespace emmy
 
   template <int dim>
   void
-  add_products(const unsigned int n_points,
+  add_products(const Reach       &reach,
                const unsigned int n_nodes,
                const bool         is_first,
                const double      *by_motion,
@@ -230,15 +233,15 @@ namespace emmy
   {
     if constexpr (dim == 2)
       point_rows_kernels::add_in_plane(
-        n_points, n_nodes, is_first, by_motion, weights, sum);
+        reach, n_nodes, is_first, by_motion, weights, sum);
     else
       point_rows_kernels::add_in_space(
-        n_points, n_nodes, is_first, by_motion, weights, sum);
+        reach, n_nodes, is_first, by_motion, weights, sum);
   }
 
 #define INSTANTIATE(dim)                              \
   template struct PointRows<dim>;                     \
-  template void add_products<dim>(const unsigned int, \
+  template void add_products<dim>(const Reach &,      \
                                   const unsigned int, \
                                   const bool,         \
                                   const double *,     \

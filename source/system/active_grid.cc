@@ -134,7 +134,8 @@ namespace emmy
     const Couplings<dim>          &couplings,
     const BackgroundGrid<dim>     &grid,
     const BoundaryConditions<dim> &boundary_conditions,
-    const Matrices                 matrices)
+    const Matrices                 matrices,
+    const ActiveGrid *const        before)
     : grid(grid)
     , grid_nodes(grid.nodes())
     , active_cells(stencils.active_cells)
@@ -144,7 +145,7 @@ namespace emmy
     number_nodes(stencils);
     make_constraints(boundary_conditions);
     if (matrices == Matrices::wanted)
-      make_graph(stencils);
+      make_graph(stencils, before);
   }
 
   template <int dim>
@@ -306,7 +307,8 @@ namespace emmy
 
   template <int dim>
   void
-  ActiveGrid<dim>::make_graph(const Stencils<dim> &stencils)
+  ActiveGrid<dim>::make_graph(const Stencils<dim>    &stencils,
+                              const ActiveGrid *const before)
   {
     std::vector<typename NodeGraph<dim>::Clique> cliques;
     for (const auto &group : stencils.groups)
@@ -320,8 +322,12 @@ namespace emmy
     std::vector<global_dof_index> first_dofs;
     for (unsigned int node = 0; node < n_local_nodes(); ++node)
       first_dofs.push_back(first_dof(node));
-    node_graph.make(
-      cliques, first_dofs, owned_dofs, conditions, communicator());
+    node_graph.make(cliques,
+                    first_dofs,
+                    owned_dofs,
+                    conditions,
+                    communicator(),
+                    before ? &before->node_graph : nullptr);
   }
 
   template <int dim>

@@ -322,37 +322,27 @@ namespace emmy
   {
     const NodeGraph<dim> &graph = active->graph();
     const auto            row   = graph.row(node);
-    const auto add = [&](const unsigned int i, const unsigned int j, double x) {
-      const auto        there = graph.row(i / dim);
-      const std::size_t place =
-        std::lower_bound(there.nodes, there.nodes + there.n, j / dim) -
-        there.nodes;
-      graph.entries_of(i, matrix)[graph.place(there.first + place, j % dim)] +=
-        x;
-    };
-    const unsigned int i = unknown<dim>(node, component);
-    double *entries = graph.is_free(i) ? graph.entries_of(i, matrix) : nullptr;
+    const unsigned int    i     = unknown<dim>(node, component);
     // C^T A C: followers hand over to their roots
-    for (unsigned int k = 0; k < row.n; ++k)
-      {
-        const unsigned int j = unknown<dim>(row.nodes[k], component);
-        if (row_values[k] == 0.)
-          continue;
-        if (entries && graph.is_free(j))
-          entries[graph.place(row.first + k, component)] += row_values[k];
-        else
-          graph.for_each_root(
-            i, [&](const unsigned int root_i, const double w) {
-              graph.for_each_root(j,
-                                  [&](const unsigned int root_j,
-                                      const double       v) {
-                                    add(root_i, root_j, w * v * row_values[k]);
-                                  });
-            });
-      }
+    graph.for_each_root(i, [&](const unsigned int root_i, const double w) {
+      const auto there = graph.row(root_i / dim);
+      for (unsigned int k = 0; k < there.n; ++k)
+        place_of_node[there.nodes[k]] = there.first + k;
+      double *entries = graph.entries_of(root_i, matrix);
+      for (unsigned int k = 0; k < row.n; ++k)
+        if (row_values[k] != 0.)
+          graph.for_each_root(unknown<dim>(row.nodes[k], component),
+                              [&](const unsigned int root_j, const double v) {
+                                const std::size_t pair =
+                                  place_of_node[root_j / dim];
+                                entries[graph.place(pair, component)] +=
+                                  w * v * row_values[k];
+                              });
+    });
     // an equation without couplings, of the size of the others
     if (!graph.is_free(i))
-      add(i, i, std::abs(row_values[diagonals[node] - row.first]));
+      graph.entries_of(i, matrix)[graph.place(diagonals[node], component)] +=
+        std::abs(row_values[diagonals[node] - row.first]);
   }
 
   template class NodalMatrix<2>;

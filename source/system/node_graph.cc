@@ -20,7 +20,8 @@ namespace emmy
                        const Dofs                &first_dofs,
                        const dealii::IndexSet    &owned_dofs,
                        const Constraints         &constraints,
-                       const MPI_Comm             communicator)
+                       const MPI_Comm             communicator,
+                       const NodeGraph *const     before)
   {
     this->first_dofs = first_dofs;
     n_owned          = owned_dofs.n_elements() / dim;
@@ -29,6 +30,16 @@ namespace emmy
     note_conditions(constraints);
     find_plain_nodes();
     find_neighbours(cliques);
+    const bool is_same = before && first_dofs == before->first_dofs &&
+                         n_owned == before->n_owned && first == before->first &&
+                         neighbours == before->neighbours;
+    if (dealii::Utilities::MPI::min(is_same ? 1 : 0, communicator) == 1)
+      {
+        foreign = before->foreign;
+        places  = before->places;
+        pattern = before->pattern;
+        return;
+      }
     refuse_matrix_entries(dim * dim * neighbours.size(), communicator);
     foreign.make(first_dofs, owned_dofs, first, neighbours, communicator);
     make_pattern(owned_dofs, communicator);
@@ -54,6 +65,9 @@ namespace emmy
     const Epetra_CrsMatrix &entries = matrix.trilinos_matrix();
     for (int row = 0; row < entries.NumMyRows(); ++row)
       std::fill_n(entries[row], entries.NumMyEntries(row), 0.);
+    // what an evaluation left that did not come to its end
+    for (unsigned int node = n_owned; node < n_nodes(); ++node)
+      std::fill_n(foreign.row(node, 0), dim * dim * row(node).n, 0.);
   }
 
   template <int dim>
@@ -84,6 +98,8 @@ namespace emmy
         node_of_dof[first_dofs[node]] = node;
     free_unknowns.assign(dim * first_dofs.size(), true);
     is_following.assign(dim * first_dofs.size(), false);
+    if (constraints.has_followers())
+      roots_of.resize(dim * first_dofs.size());
     for (unsigned int node = 0; node < first_dofs.size(); ++node)
       for (unsigned int c = 0; c < dim; ++c)
         {
@@ -145,7 +161,7 @@ namespace emmy
           for (unsigned int c = 0; c < dim; ++c)
             if (is_following[unknown<dim>(clique.nodes[a], c)])
               for (const auto &root :
-                   roots_of.at(unknown<dim>(clique.nodes[a], c)))
+                   roots_of[unknown<dim>(clique.nodes[a], c)])
                 nodes.push_back(root.first / dim);
         if (nodes.size() == clique.n)
           continue;
@@ -251,24 +267,6 @@ namespace emmy
 
   template <int dim>
   void
-  NodeGraph<dim>::find_places_in_rows(const unsigned int node,
-                                      const Unknowns    &unknowns) const
-  {
-    for (std::size_t k = first[node]; k < first[node + 1]; ++k)
-      {
-        place_of_node[neighbours[k]] = k;
-        marked_by[neighbours[k]]     = node;
-      }
-    row_places.clear();
-    for (unsigned int j = 0; j < unknowns.size(); ++j)
-      if (marked_by[unknowns[j] / dim] == node)
-        row_places.emplace_back(j,
-                                place(place_of_node[unknowns[j] / dim],
-                                      unknowns[j] % dim));
-  }
-
-  template <int dim>
-  void
   NodeGraph<dim>::find_places_of(const unsigned int  node,
                                  const unsigned int *nodes,
                                  const unsigned int  n) const
@@ -294,101 +292,102 @@ namespace emmy
 
   template <int dim>
   void
-  NodeGraph<dim>::scatter(const Unknowns                   &unknowns,
-                          const dealii::FullMatrix<double> &block,
-                          Matrix                           &matrix) const
+  NodeGraph<dim>::scatter(const unsigned int    *nodes,
+                          const ComponentBlocks &blocks,
+                          Matrix                &matrix) const
   {
-    unsigned int last_node = dealii::numbers::invalid_unsigned_int;
-    for (std::size_t i = 0; i < unknowns.size(); ++i)
+    for (unsigned int a = 0; a < blocks.n_nodes; ++a)
       {
-        const unsigned int node   = unknowns[i] / dim;
-        const double      *values = &block(i, 0);
-        if (node != last_node)
-          find_places_in_rows(node, unknowns);
-        last_node   = node;
-        double *row = entries_of(unknowns[i], matrix);
-        for (const auto &[j, place] : row_places)
-          row[place] += values[j];
-      }
-  }
-
-  template <int dim>
-  void
-  NodeGraph<dim>::hand_to_roots(const dealii::FullMatrix<double> &block) const
-  {
-    // the roots come behind; each unknown is a sum over some of all these
-    const unsigned int n = block.m();
-    shares.resize(n);
-    for (unsigned int i = 0; i < n; ++i)
-      {
-        shares[i].clear();
-        if (free_unknowns[extended[i]])
-          shares[i].emplace_back(i, 1.);
-        if (!is_following[extended[i]])
-          continue;
-        for (const auto &[root, weight] : roots_of.at(extended[i]))
+        find_places_of(nodes[a], nodes, blocks.n_nodes);
+        for (unsigned int i = 0; i < dim; ++i)
           {
-            const auto place =
-              std::find(extended.begin(), extended.end(), root);
-            shares[i].emplace_back(place - extended.begin(), weight);
-            if (place == extended.end())
-              extended.push_back(root);
+            double       *row = entries_of(unknown<dim>(nodes[a], i), matrix);
+            const double *values = blocks.at(i, 0, a);
+            for (const auto &[b, place] : node_places)
+              for (unsigned int j = 0; j < dim; ++j)
+                row[place + j] += values[j * blocks.by_j + b * blocks.by_b];
           }
       }
-    const unsigned int n_all = extended.size();
-    half_condensed.reinit(n_all, n);
-    for (unsigned int i = 0; i < n; ++i)
-      for (const auto &[k, weight] : shares[i])
-        for (unsigned int j = 0; j < n; ++j)
-          half_condensed(k, j) += weight * block(i, j);
-    condensed.reinit(n_all, n_all);
-    for (unsigned int k = 0; k < n_all; ++k)
-      for (unsigned int j = 0; j < n; ++j)
-        for (const auto &[l, weight] : shares[j])
-          condensed(k, l) += weight * half_condensed(k, j);
   }
 
   template <int dim>
   void
-  NodeGraph<dim>::condense(const Unknowns                   &unknowns,
-                           const dealii::FullMatrix<double> &block) const
+  NodeGraph<dim>::find_roots_of(const unsigned int *nodes,
+                                const unsigned int  n) const
   {
-    const unsigned int n = unknowns.size();
-    extended             = unknowns;
-    double mean          = 0.;
-    for (unsigned int i = 0; i < n; ++i)
-      mean += std::abs(block(i, i)) / n;
-    if (std::none_of(unknowns.begin(), unknowns.end(), [&](const auto i) {
-          return is_following[i];
-        }))
+    extended.assign(nodes, nodes + n);
+    for (unsigned int c = 0; c < dim; ++c)
       {
-        condensed = block;
-        for (unsigned int i = 0; i < n; ++i)
-          if (!free_unknowns[unknowns[i]])
-            for (unsigned int j = 0; j < n; ++j)
-              condensed(i, j) = condensed(j, i) = 0.;
+        shares[c].clear();
+        bound[c].clear();
+        for (unsigned int a = 0; a < n; ++a)
+          {
+            const unsigned int i = unknown<dim>(nodes[a], c);
+            if (free_unknowns[i])
+              continue;
+            bound[c].push_back(a);
+            for_each_root(i, [&](const unsigned int root, const double weight) {
+              const auto place =
+                std::find(extended.begin(), extended.end(), root / dim);
+              shares[c].push_back(
+                {a,
+                 static_cast<unsigned int>(place - extended.begin()),
+                 weight});
+              if (place == extended.end())
+                extended.push_back(root / dim);
+            });
+          }
       }
-    else
-      hand_to_roots(block);
-    // an equation without couplings, of the size of the others
-    for (unsigned int i = 0; i < n; ++i)
-      if (!free_unknowns[unknowns[i]])
-        condensed(i, i) = block(i, i) != 0. ? std::abs(block(i, i)) : mean;
   }
 
   template <int dim>
-  void
-  NodeGraph<dim>::add_listed(const dealii::FullMatrix<double> &block,
-                             const Conditions                  conditions,
-                             Matrix                           &matrix) const
+  ComponentBlocks
+  NodeGraph<dim>::condense(const unsigned int    *nodes,
+                           const ComponentBlocks &blocks) const
   {
-    if (conditions == Conditions::left_out ||
-        std::all_of(list.begin(), list.end(), [this](const unsigned int i) {
-          return free_unknowns[i] != 0;
-        }))
-      return scatter(list, block, matrix);
-    condense(list, block);
-    scatter(extended, condensed, matrix);
+    find_roots_of(nodes, blocks.n_nodes);
+    const unsigned int n = blocks.n_nodes, n_all = extended.size();
+    condensed.assign(dim * dim * n_all * n_all, 0.);
+    const ComponentBlocks result{condensed.data(),
+                                 n_all,
+                                 dim * n_all * n_all,
+                                 std::size_t(n_all) * n_all,
+                                 n_all};
+    double                mean = 0.;
+    for (unsigned int i = 0; i < dim; ++i)
+      for (unsigned int a = 0; a < n; ++a)
+        mean += std::abs(blocks.at(i, i, a)[a * blocks.by_b]) / (dim * n);
+    for (unsigned int i = 0; i < dim; ++i)
+      for (unsigned int j = 0; j < dim; ++j)
+        {
+          double    *first_row = &condensed[(i * dim + j) * n_all * n_all];
+          const auto row       = [&](const unsigned int a) {
+            return first_row + a * n_all;
+          };
+          for (unsigned int a = 0; a < n; ++a)
+            {
+              const double *values = blocks.at(i, j, a);
+              for (unsigned int b = 0; b < n; ++b)
+                row(a)[b] = values[b * blocks.by_b];
+              for (const Share &share : shares[j])
+                row(a)[share.to] += share.weight * row(a)[share.from];
+              for (const unsigned int b : bound[j])
+                row(a)[b] = 0.;
+            }
+          for (const Share &share : shares[i])
+            for (unsigned int b = 0; b < n_all; ++b)
+              row(share.to)[b] += share.weight * row(share.from)[b];
+          for (const unsigned int a : bound[i])
+            std::fill_n(row(a), n_all, 0.);
+          // an equation without couplings, of the size of the others
+          for (unsigned int k = 0; i == j && k < bound[i].size(); ++k)
+            {
+              const unsigned int a = bound[i][k];
+              const double size = std::abs(blocks.at(i, i, a)[a * blocks.by_b]);
+              row(a)[a]         = size != 0. ? size : mean;
+            }
+        }
+    return result;
   }
 
   template <int dim>
@@ -397,12 +396,10 @@ namespace emmy
                       const dealii::FullMatrix<double> &block,
                       Matrix                           &matrix) const
   {
-    const unsigned int n = block.m() / dim;
-    list.clear();
-    for (unsigned int a = 0; a < n; ++a)
-      for (unsigned int c = 0; c < dim; ++c)
-        list.push_back(unknown<dim>(nodes[a], c));
-    add_listed(block, Conditions::worked_in, matrix);
+    const unsigned int n = block.m();
+    add(nodes,
+        ComponentBlocks{&block(0, 0), n / dim, n, 1, dim * n, dim},
+        matrix);
   }
 
   template <int dim>
@@ -411,27 +408,14 @@ namespace emmy
                       const ComponentBlocks &blocks,
                       Matrix                &matrix) const
   {
-    const unsigned int n = blocks.n_nodes;
-    if (!std::all_of(nodes, nodes + n, [this](const unsigned int node) {
-          return is_plain[node] != 0;
-        }))
-      {
-        blocks.copy_to<dim>(in_order);
-        return add(nodes, in_order, matrix);
-      }
-    for (unsigned int a = 0; a < n; ++a)
-      {
-        find_places_of(nodes[a], nodes, n);
-        for (unsigned int i = 0; i < dim; ++i)
-          {
-            double       *row = entries_of(unknown<dim>(nodes[a], i), matrix);
-            const double *values =
-              blocks.values + i * blocks.by_i + a * blocks.by_a;
-            for (const auto &[b, place] : node_places)
-              for (unsigned int j = 0; j < dim; ++j)
-                row[place + j] += values[j * blocks.by_j + b];
-          }
-      }
+    if (std::all_of(nodes,
+                    nodes + blocks.n_nodes,
+                    [this](const unsigned int node) {
+                      return is_plain[node] != 0;
+                    }))
+      return scatter(nodes, blocks, matrix);
+    const ComponentBlocks on_free = condense(nodes, blocks);
+    scatter(extended.data(), on_free, matrix);
   }
 
   template <int dim>
@@ -459,13 +443,12 @@ namespace emmy
           }
         return;
       }
-    for (unsigned int c = 0; c < dim; ++c)
-      {
-        list.clear();
-        for (unsigned int a = 0; a < n; ++a)
-          list.push_back(unknown<dim>(nodes[a], c));
-        add_listed(nodal, conditions, matrix);
-      }
+    dealii::FullMatrix<double> block(dim * n, dim * n);
+    for (unsigned int a = 0; a < n; ++a)
+      for (unsigned int b = 0; b < n; ++b)
+        for (unsigned int c = 0; c < dim; ++c)
+          block(dim * a + c, dim * b + c) = nodal(a, b);
+    add(nodes, block, matrix);
   }
 
   template class NodeGraph<2>;

@@ -1,17 +1,43 @@
+#include <emmy/system/neighbourhood.h>
 #include <emmy/transfer/mass_blocks.h>
 
 namespace emmy
 {
   namespace
   {
-    /** Lump, and find the damping, of a group's consistent mass. */
+    /** That of a group, whose nodes stand at @p places in the matrix. */
+    template <int dim>
+    void
+    add_consistent_mass(const Stencils<dim>                 &stencils,
+                        const typename Stencils<dim>::Group &group,
+                        const double                        *masses,
+                        const unsigned int                  *places,
+                        dealii::FullMatrix<double>          &mass)
+    {
+      for (unsigned int a = 0; a < group.n_nodes; ++a)
+        {
+          const double *S_a = stencils.value(group, a);
+          for (unsigned int b = 0; b <= a; ++b)
+            {
+              const double *S_b = stencils.value(group, b);
+              double        sum = 0.;
+              for (unsigned int p = 0; p < group.n_points; ++p)
+                sum += masses[group.first_point + p] * S_a[p] * S_b[p];
+              mass(places[a], places[b]) += sum;
+              if (a != b)
+                mass(places[b], places[a]) += sum;
+            }
+        }
+    }
+
+    /** Lump, and find the damping, of a consistent mass. */
     void
     lump_and_damp(const double                epsilon,
                   Phases                     *phases,
                   dealii::FullMatrix<double> &mass,
                   std::vector<double>        &damping)
     {
-      // the row sums of the group's matrix are its lumped mass
+      // the row sums of the matrix are the lumped mass
       const unsigned int n     = mass.m();
       double             total = 0.;
       damping.assign(n, 0.);
@@ -95,24 +121,17 @@ namespace emmy
   {
     dealii::FullMatrix<double> mass;
     std::vector<double>        damping;
-    for (const auto &group : stencils.groups)
+    Neighbourhood<dim>         around(stencils, *start.active);
+    const auto                 end = stencils.groups.end();
+    for (auto group = stencils.groups.begin(); group != end;)
       {
-        const unsigned int n = group.n_nodes;
-        mass.reinit(n, n, true);
-        for (unsigned int a = 0; a < n; ++a)
-          {
-            const double *S_a = stencils.value(group, a);
-            for (unsigned int b = 0; b <= a; ++b)
-              {
-                const double *S_b = stencils.value(group, b);
-                double        sum = 0.;
-                for (unsigned int p = 0; p < group.n_points; ++p)
-                  sum += masses[group.first_point + p] * S_a[p] * S_b[p];
-                mass(a, b) = mass(b, a) = sum;
-              }
-          }
+        around.begin(*group);
+        mass.reinit(around.nodes().size(), around.nodes().size());
+        for (; group != end && around.has(*group); ++group)
+          add_consistent_mass<dim>(
+            stencils, *group, masses, around.places(*group), mass);
         lump_and_damp(start.lumping, phases, mass, damping);
-        MassBlock block{start.active->nodes(group), mass, damping};
+        MassBlock block{around.nodes().data(), mass, damping};
         receive(block);
       }
     start.hand_out_added_mass(receive);

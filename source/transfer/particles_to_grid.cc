@@ -111,7 +111,12 @@ namespace emmy
     if (!start.active || !start.active->fits(stencils, couplings))
       {
         start.active = std::make_shared<const ActiveGrid<dim>>(
-          stencils, couplings, grid, boundary_conditions);
+          stencils,
+          couplings,
+          grid,
+          boundary_conditions,
+          ActiveGrid<dim>::Matrices::wanted,
+          start.active.get());
         start.momentum      = start.active->make_vector();
         start.mean_velocity = start.active->make_vector();
       }

@@ -3,43 +3,53 @@
 
 #include <deal.II/base/aligned_vector.h>
 
+#include <emmy/effects/node_lanes.h>
+#include <emmy/effects/point_batch.h>
 #include <emmy/material/stress_rules.h>
-#include <emmy/particles/stencils.h>
-#include <emmy/system/node_graph.h>
+#include <emmy/system/neighbourhood.h>
 
 namespace emmy
 {
+  /** Points of a neighbourhood, and what a batch says of them. */
+  template <int dim>
+  struct NeighbourPoints
+  {
+    /** One of them. */
+    struct Point
+    {
+      const typename Stencils<dim>::Group *group; ///< its group
+      unsigned int                         q;     ///< which of its points
+    };
+
+    const Stencils<dim>      &stencils; ///< of the step
+    const Neighbourhood<dim> &around;   ///< of all of them
+    std::vector<Point>        points;   ///< at most most_points_at_once
+    unsigned int              at = 0;   ///< the first of them in the batch
+  };
+
   /**
-   * The derivative of the internal force of a group of points with respect to
-   * its nodes, sum V0 grad S_a . dP/dH . grad S_b. Nodes stand side by side,
-   * four in the plane, eight in space. Owned by who adds the force.
+   * The derivative of the internal force of points of a neighbourhood with
+   * respect to its nodes, sum V0 grad S_a . dP/dH . grad S_b. Nodes stand side
+   * by side, four in the plane, eight in space. Owned by who adds the force.
    *
    * Cost for a point and n nodes, multiplications and additions: dim^5 n for
    * dP/dH . grad S_b, and dim^3 n^2 for the rest: 1944 + 1728 in space with
-   * linear functions.
+   * linear functions. Of a neighbourhood only those fours of nodes count that
+   * the point reaches.
    */
   template <int dim>
   class CellMatrix
   {
   public:
-    /** Points of a group, and what a batch says of them. */
-    struct Points
-    {
-      const Stencils<dim> &stencils; ///< of the step
-      /** The particles of one body in the cell. */
-      const typename Stencils<dim>::Group &group;
-      unsigned int                         first;   ///< point of the group
-      const StressBatch<dim>              &batch;   ///< of the points from that
-      const double                        *volumes; ///< likewise, m^3
-    };
-
-    /** Begin for a group with so many nodes. */
+    /** Begin for so many nodes. */
     void
     reinit(const unsigned int n_nodes);
 
-    /** Add particles of the group. */
+    /** Add some points. @param volumes of the batch, m^3 */
     void
-    add(const Points &points);
+    add(const NeighbourPoints<dim> &here,
+        const StressBatch<dim>     &batch,
+        const double               *volumes);
 
     /** As it stands after some points, until it begins anew. */
     ComponentBlocks
@@ -55,11 +65,12 @@ namespace emmy
   private:
     unsigned int n_nodes = 0, n_padded = 0; ///< full lanes
     bool         is_empty = true;           ///< no points yet
+    Reach        reach;
     /** [((i dim + j) n_padded + a) n_padded + b] */
     dealii::AlignedVector<double> sum;
     /** Of some points: grad S, [(q dim + L) n_padded + b]. */
     dealii::AlignedVector<double> slopes;
-    /** V0 dP/dH . grad S, [((q dim^2 + iJ) dim + j) n_padded + b]. */
+    /** V0 dP/dH . grad S of a register of nodes b, [(q dim^2 + iJ) dim + j]. */
     dealii::AlignedVector<double> products;
   };
 } // namespace emmy

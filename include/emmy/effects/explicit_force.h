@@ -57,7 +57,6 @@ namespace emmy
     energy_entries() const;
 
   private:
-    using Group = typename Stencils<dim>::Group;
     using Batch = StressBatch<dim>;
 
     const StressStates<dim> states;

@@ -1,11 +1,9 @@
 #ifndef emmy_effects_internal_force_h
 #define emmy_effects_internal_force_h
 
-#include <emmy/effects/cell_matrix.h>
 #include <emmy/effects/stress_states.h>
+#include <emmy/effects/stress_tangent.h>
 
-#include <emmy/material/middle_step.h>
-#include <emmy/system/block_sum.h>
 #include <optional>
 
 namespace emmy
@@ -14,8 +12,8 @@ namespace emmy
    * Internal force f_A = sum V0_p P_p grad S_Ap with the nominal stress P of a
    * stress rule, relative to the configuration at t (Pretti et al. 2023, eq.
    * 44; the gradients are those at the start of the step). Newton's cost is
-   * here: one material call per batch of points, one small matrix per group of
-   * points.
+   * here: one material call per batch of points, one small matrix per
+   * neighbourhood of nodes.
    */
   template <int dim>
   class InternalForce : public ForceTerm<dim>
@@ -55,41 +53,35 @@ namespace emmy
     energy_entries() const override;
 
   private:
-    using Group = typename Stencils<dim>::Group;
-
     /** What add() works on and with. */
     struct Assembly
     {
       StressBatch<dim>    batch;
       MiddleStep<dim>     middle;
       std::vector<double> nodal_force;
-      CellMatrix<dim>     stiffness;
-      /** Where groups are small, and overlap. */
-      std::optional<BlockSum<dim>> sum;
+      /** Only where there is a matrix. */
+      std::optional<StressTangent<dim>> tangent;
     };
 
     /**
-     * Add a group to the nodal forces and, unless null, to the matrix.
+     * Add points to the nodal forces and to the tangent.
      * @return what is wrong, if anything
      */
     std::string
-    add_group(const StepData<dim> &step,
-              const Iterate<dim>  &iterate,
-              const Group         &group,
-              Assembly            &work,
-              Matrix              *jacobian) const;
+    add_batch(const StepData<dim>   &step,
+              const Iterate<dim>    &iterate,
+              const PointBatch<dim> &points,
+              Assembly              &work) const;
 
     /**
-     * The stress of up to max_batch_points points of a group, from point
-     * @p first of the group on, for a displacement at the local nodes: that
-     * of the configuration in which the grid is undeformed.
+     * The stress of a batch for a displacement at the local nodes: that of the
+     * configuration in which the grid is undeformed.
      * @return index of the first point that is turned inside out; n_points if
      *   there is none
      */
     unsigned int
     evaluate(const StepData<dim>       &step,
-             const Group               &group,
-             const unsigned int         first,
+             const PointBatch<dim>     &points,
              const std::vector<double> &local_displacement,
              StressBatch<dim>          &batch,
              MiddleStep<dim>           &middle) const;

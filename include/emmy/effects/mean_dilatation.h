@@ -1,7 +1,6 @@
 #ifndef emmy_effects_mean_dilatation_h
 #define emmy_effects_mean_dilatation_h
 
-#include <emmy/effects/cell_matrix.h>
 #include <emmy/effects/cell_pools.h>
 #include <emmy/effects/stress_states.h>
 #include <emmy/material/mean_dilatation.h>
@@ -98,8 +97,6 @@ namespace emmy
     energy_entries() const override;
 
   private:
-    using Group = typename Stencils<dim>::Group;
-
     /** What add() works on and with; as long as the points stay. */
     struct Work
     {
@@ -113,7 +110,6 @@ namespace emmy
       MiddleStep<dim>     middle;
       std::vector<double> nodal_force;
       double              energy = 0.; ///< sum V0 P : H of the last add(), J
-      CellMatrix<dim>     stiffness;
     };
 
     /** The passes of add(). @return what is wrong, if anything */
@@ -135,9 +131,9 @@ namespace emmy
     void
     find_whole_stresses(const StepData<dim> &step,
                         const std::size_t    point) const;
-    /** Points of a group into the batch, with the gradients as they are. */
+    /** Points into the batch, with the gradients as they are. */
     void
-    begin_batch(const Group &group, const unsigned int first) const;
+    begin_batch(const PointBatch<dim> &points) const;
 
     const Kind                               kind;
     const MeanDilatationStress<dim>          rule;

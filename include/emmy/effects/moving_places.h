@@ -3,6 +3,7 @@
 
 #include <deal.II/base/aligned_vector.h>
 
+#include <emmy/effects/cell_matrix.h>
 #include <emmy/effects/effect.h>
 #include <emmy/effects/point_rows.h>
 #include <emmy/material/middle_step.h>
@@ -42,18 +43,14 @@ namespace emmy
   class MovingPlaces
   {
   public:
-    /** Points of a group, and what the internal force found there. */
+    /** Points, and what the internal force found there. */
     struct Points
     {
-      const StepData<dim> &step; ///< at the latest places
-      /** Particles of one body in one cell. */
-      const typename Stencils<dim>::Group &group;
-      const unsigned int                   first; ///< point of the group
-      /** u, [dim * node + c], m */
-      const std::vector<double> &local_displacement;
-      const StressBatch<dim>    &batch;   ///< S-hat and dS-hat/dL of the middle
-      const MiddleStep<dim>     &middle;  ///< from t to the middle
-      const double              *volumes; ///< reference volumes, m^3
+      const StepData<dim>        &step;   ///< at the latest places
+      const NeighbourPoints<dim> &here;   ///< of one neighbourhood
+      const StressBatch<dim>     &batch;  ///< S-hat and dS-hat/dL of the middle
+      const MiddleStep<dim>      &middle; ///< from t to the middle
+      const double *volumes; ///< reference volumes of the batch, m^3
       /** By what the boxes are scaled beyond what Z says; null: by nothing. */
       const double *box_scales = nullptr;
     };
@@ -76,20 +73,22 @@ namespace emmy
     void
     begin(const StepData<dim> &step, std::vector<double> point_forces);
 
-    /** Before the points of a group, which has so many nodes. */
+    /** Before the points of a neighbourhood, of @p u at the local nodes, m. */
     void
-    begin_group(const unsigned int n_nodes);
+    begin_neighbourhood(const Neighbourhood<dim>  &around,
+                        const std::vector<double> &u);
 
     /**
      * Add the derivative of the points' inertia and stress with respect to
-     * the nodes, J + r_q (I - Q_q)^-1 Q_u, to the matrix of their group.
+     * the nodes, J + r_q (I - Q_q)^-1 Q_u, to the matrix of their
+     * neighbourhood.
      */
     void
     add(const Points &points);
 
     /** That matrix, after the last of its points; until the next begins. */
     ComponentBlocks
-    finish_group(const unsigned int *nodes);
+    finish_neighbourhood(const Neighbourhood<dim> &around);
 
     /** r_q (I - Q_q)^-1 (Q - q) at the local nodes, [dim * node + c], N. */
     const std::vector<double> &
@@ -153,11 +152,12 @@ namespace emmy
     /** Rows of numbers by node of a group, behind them zeros to full lanes. */
     using Rows = dealii::AlignedVector<double>;
 
-    /** Work arrays: of a group, of some points of it, and of one. */
+    /** Work arrays: of a neighbourhood, of some points of it, and of one. */
     struct Work
     {
       unsigned int n_nodes = 0, n_padded = 0;
-      bool         is_empty = true; ///< no points of the group yet
+      bool         is_empty = true; ///< no points of it yet
+      Reach        reach;           ///< of some points
       Rows         u;               ///< by component
       Rows         sum; ///< [((i dim + j) n_padded + a) n_padded + b]
       Rows         share, diagonal; ///< see PointRows
@@ -171,6 +171,7 @@ namespace emmy
       Rows by_motion;
 
       PlaceDerivatives<dim> derivatives;
+      Rows                  weights_by_q; ///< the same for all the nodes
     };
 
     /**
@@ -185,28 +186,29 @@ namespace emmy
                  const bool                 with_gradients,
                  std::vector<double>       &motion) const;
 
-    /** Weights of some points of a batch, node by node. */
+    /** Weights of the points, node by node, and whom they reach. */
     void
-    set_weights(const Points      &points,
-                const unsigned int begin,
-                const unsigned int end);
+    set_weights(const NeighbourPoints<dim> &here);
 
-    /** @param at its index among those in work */
+    /** How the weights of a point change with its place, node by node. */
     void
-    add_point(const Points      &points,
-              const unsigned int in_batch,
-              const unsigned int at);
+    set_weights_by_place(const NeighbourPoints<dim> &here,
+                         const unsigned int          at);
+
+    /** @param at its index among the points */
+    void
+    add_point(const Points &points, const unsigned int at);
 
     /** @pre point.find_motion() */
     Response
     response(const Points         &points,
-             const unsigned int    in_batch,
+             const unsigned int    at,
              const PointRows<dim> &point);
 
     /** What the force of a point at the nodes is made of. */
     void
     set_force(const Points      &points,
-              const unsigned int in_batch,
+              const unsigned int at,
               PointRows<dim>    &point) const;
 
     const PlaceRules<dim> rules;

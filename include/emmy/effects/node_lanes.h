@@ -3,60 +3,84 @@
 
 #include <emmy/math/lanes.h>
 
+#include <cstdint>
+#include <vector>
+
 namespace emmy
 {
   /** As many points as have their rows in the first-level cache. */
   constexpr unsigned int most_points_at_once = 8;
 
+  /** Nodes a whose sums stay in registers. */
+  constexpr unsigned int nodes_at_once = 4;
+
   /**
-   * sum(i, j, a, b) += sum over points q and terms l of
-   * left(q, i, l, j)[a] right(q, i, l, j)[b], at
-   * [((i dim + j) n_padded + a) n_padded + b]. For functions with clones.
-   *
-   * @param is_first whether the sum is to begin with these: what stands there
-   *   is not read
-   * @param left,right rows over nodes, aligned to lanes
+   * Which of some points reach which nodes of a neighbourhood: a bit for each
+   * point, by fours of nodes.
    */
-  template <int dim, int n_terms, class Left, class Right>
-  EMMY_INLINE void
-  add_node_products(const unsigned int n_points,
-                    const unsigned int n_nodes,
-                    const unsigned int n_padded,
-                    const bool         is_first,
-                    const Left        &left,
-                    const Right       &right,
-                    double            *sum)
+  class Reach
   {
-    using Nodes = typename LanesOf<node_lanes<dim>>::type;
-    // some nodes a at a time: their sums stay in registers
-    constexpr unsigned int at_once = 4;
-    for (unsigned int i = 0; i < dim; ++i)
-      for (unsigned int j = 0; j < dim; ++j)
-        for (unsigned int b = 0; b < n_padded; b += node_lanes<dim>)
-          for (unsigned int a = 0; a < n_nodes; a += at_once)
-            {
-              double *target =
-                sum + ((i * dim + j) * n_padded + a) * n_padded + b;
-              Nodes of_node[at_once];
-              for (unsigned int r = 0; r < at_once; ++r)
-                if (is_first)
-                  of_node[r] = Nodes{};
-                else
-                  of_node[r] =
-                    *reinterpret_cast<const Nodes *>(target + r * n_padded);
-              for (unsigned int q = 0; q < n_points; ++q)
-                for (unsigned int l = 0; l < n_terms; ++l)
-                  {
-                    const double *of_a = left(q, i, l, j) + a;
-                    const Nodes   of_b =
-                      *reinterpret_cast<const Nodes *>(right(q, i, l, j) + b);
-                    for (unsigned int r = 0; r < at_once; ++r)
-                      of_node[r] += of_a[r] * of_b;
-                  }
-              for (unsigned int r = 0; r < at_once; ++r)
-                *reinterpret_cast<Nodes *>(target + r * n_padded) = of_node[r];
-            }
-  }
+  public:
+    /** No point, of so many nodes, whole fours. */
+    void
+    reinit(const unsigned int n_nodes)
+    {
+      of_fours.assign(n_nodes / nodes_at_once, 0);
+    }
+    /** Point q reaches a node. */
+    void
+    add(const unsigned int q, const unsigned int node)
+    {
+      of_fours[node / nodes_at_once] |= 1u << q;
+    }
+    /** A bit for each register of that many nodes, if point q reaches one. */
+    template <unsigned int n_lanes>
+    std::uint64_t
+    registers(const unsigned int q) const
+    {
+      std::uint64_t result = 0;
+      for (unsigned int k = 0; k < of_fours.size(); ++k)
+        result |= std::uint64_t(of_fours[k] >> q & 1)
+                  << (k * nodes_at_once / n_lanes);
+      return result;
+    }
+    /** Those that reach any of @p n nodes from one on, both whole fours. */
+    unsigned int
+    points(const unsigned int node, const unsigned int n = nodes_at_once) const
+    {
+      unsigned int result = 0;
+      for (unsigned int k = node; k < node + n; k += nodes_at_once)
+        result |= of_fours[k / nodes_at_once];
+      return result;
+    }
+
+  private:
+    std::vector<unsigned char> of_fours;
+  };
+
+  /** The bits that are set, one after the other: for (Bits k{bits}; k; ++k). */
+  struct Bits
+  {
+    std::uint64_t bits; ///< those that are left
+
+    /** Whether there are any. */
+    EMMY_INLINE explicit operator bool() const
+    {
+      return bits != 0;
+    }
+    /** The first of them. */
+    EMMY_INLINE unsigned int
+    operator*() const
+    {
+      return __builtin_ctzll(bits);
+    }
+    /** Go on to the next one. */
+    EMMY_INLINE void
+    operator++()
+    {
+      bits &= bits - 1;
+    }
+  };
 } // namespace emmy
 
 #endif

@@ -1,12 +1,15 @@
 #ifndef emmy_effects_point_rows_h
 #define emmy_effects_point_rows_h
 
+#include <emmy/effects/node_lanes.h>
+
 namespace emmy
 {
   /**
-   * The force of a point on the nodes of its group, as its place moves: plain
-   * numbers of the point, and rows of numbers over the nodes, each n_padded
-   * long, aligned, behind the nodes zeros. For MovingPlaces.
+   * The force of a point on the nodes of its neighbourhood, as its place moves:
+   * plain numbers of the point, and rows of numbers over the nodes, each
+   * n_padded long, aligned. Only those registers of nodes are touched that the
+   * point reaches; weights of other nodes in them are zero. For MovingPlaces.
    *
    * The force at a node is S_A (w + lumped u_A) + T grad S_A, with the motion
    * Su in w and L in T. Numbers with l = 0 are of S and Su, with l = 1 + d of
@@ -22,7 +25,8 @@ namespace emmy
     /** Coordinates of a particle's place, and rows of weights. */
     static constexpr int nq = 2 * dim, n_weights = dim + 1;
 
-    unsigned int n_padded; ///< nodes, rounded up to whole lanes
+    unsigned int  n_padded;  ///< nodes, rounded up to whole registers
+    std::uint64_t registers; ///< a bit for each that the point reaches
     /** The coordinates of the place that count; first those of the position. */
     unsigned int n_used, used[nq]; ///< coordinates that move, and which
 
@@ -66,7 +70,7 @@ namespace emmy
    */
   template <int dim>
   void
-  add_products(const unsigned int n_points,
+  add_products(const Reach       &reach,
                const unsigned int n_nodes,
                const bool         is_first,
                const double      *by_motion,

@@ -2,6 +2,7 @@
 #define emmy_effects_stress_states_h
 
 #include <emmy/effects/effect.h>
+#include <emmy/effects/point_batch.h>
 #include <emmy/material/stress_rules.h>
 
 namespace emmy
@@ -50,36 +51,35 @@ namespace emmy
     }
 
     /**
-     * Call std::string function(group) for all groups, until one returns a
-     * problem. The time is booked to the materials, groups of one after
-     * another together: that takes no time of its own.
+     * Call std::string function(batch) for batches of all points, until one
+     * returns a problem. The time is booked to the materials, batches of one
+     * after another together: that takes no time of its own.
      * @param phases null: no time is booked
      * @return the problem; empty if there was none
      */
     template <class Function>
     std::string
-    for_each_group(const Stencils<dim> &stencils,
+    for_each_batch(const Stencils<dim> &stencils,
                    Phases              *phases,
                    const Function      &function) const
     {
-      const auto &groups = stencils.groups;
       if (names.empty())
         phases = nullptr;
-      std::string problem;
-      for (auto group = groups.begin();
-           group != groups.end() && problem.empty();)
+      std::string     problem;
+      PointBatch<dim> points(stencils);
+      for (bool has_points = points.next(); has_points && problem.empty();)
         {
-          const unsigned int body     = group->body;
+          const unsigned int body     = points.body;
           std::size_t        n_points = 0;
           {
             const auto timed =
               effect_scope(phases, phases ? std::string_view(names[body]) : "");
-            for (; group != groups.end() && problem.empty() &&
-                   material_of_body[group->body] == material_of_body[body];
-                 ++group)
+            for (; has_points && problem.empty() &&
+                   material_of_body[points.body] == material_of_body[body];
+                 has_points = points.next())
               {
-                problem = function(*group);
-                n_points += group->n_points;
+                problem = function(points);
+                n_points += points.n_points;
               }
           }
           if (phases)
@@ -175,36 +175,35 @@ namespace emmy
   };
 
   /**
-   * Displacement gradients of a batch, H_ij = sum u_ai dS_a/dx_j.
+   * Displacement gradients of a batch, H_ij = sum u_ai dS_a/dx_j, and how many
+   * points it has.
    *
-   * @param first        first point of the batch in its group
    * @param displacement at the local nodes, [dim * node + c], m
-   * @param nodes        local indices of the group's nodes
    */
   template <int dim>
   void
-  displacement_gradients(const Stencils<dim>                 &stencils,
-                         const typename Stencils<dim>::Group &group,
-                         const unsigned int                   first,
-                         const double                        *displacement,
-                         const unsigned int                  *nodes,
-                         StressBatch<dim>                    &batch);
+  displacement_gradients(const PointBatch<dim>     &points,
+                         const ActiveGrid<dim>     &active,
+                         const std::vector<double> &displacement,
+                         StressBatch<dim>          &batch);
 
   /** A particle with det(Delta F) <= 0, in words. */
   template <int dim>
   std::string
   inverted_particle(const Stencils<dim> &stencils, const std::size_t point);
 
-  /** Add V0 P grad S of a batch to the forces of the group's nodes, N. */
+  /**
+   * Add V0 P grad S of a batch to the forces of the nodes, [dim * node + c], N.
+   *
+   * @param volumes of all points, m^3
+   */
   template <int dim>
   void
-  add_forces(const Stencils<dim>                 &stencils,
-             const typename Stencils<dim>::Group &group,
-             const unsigned int                   first,
-             const double                        *volume,
-             const unsigned int                  *nodes,
-             const StressBatch<dim>              &batch,
-             std::vector<double>                 &force);
+  add_forces(const PointBatch<dim>  &points,
+             const ActiveGrid<dim>  &active,
+             const double           *volumes,
+             const StressBatch<dim> &batch,
+             std::vector<double>    &force);
 } // namespace emmy
 
 #endif

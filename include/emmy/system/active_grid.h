@@ -29,8 +29,9 @@ namespace emmy
    * owns, in the order of their numbers, then those of its active cells, and
    * of the masters of their nodes, that another rank owns.
    *
-   * Made by the transfer when the set of active cells changes, kept
-   * otherwise. Cost: proportional to the rank's part of the grid's window.
+   * Made by the transfer when the groups of nodes or the active cells change,
+   * kept otherwise; what matrices look like is kept as long as the same nodes
+   * meet. Cost: proportional to the rank's part of the grid's window.
    */
   template <int dim>
   class ActiveGrid
@@ -46,12 +47,14 @@ namespace emmy
     /**
      * Collective.
      * @param couplings nodes that meet, and nodes that follow others
+     * @param before    the one that this follows; null: none
      */
     ActiveGrid(const Stencils<dim>           &stencils,
                const Couplings<dim>          &couplings,
                const BackgroundGrid<dim>     &grid,
                const BoundaryConditions<dim> &boundary_conditions,
-               const Matrices                 matrices = Matrices::wanted);
+               const Matrices                 matrices = Matrices::wanted,
+               const ActiveGrid *const        before   = nullptr);
 
     /**
      * Whether these stencils have the same groups of nodes, and the couplings
@@ -205,7 +208,7 @@ namespace emmy
     void
     make_constraints(const BoundaryConditions<dim> &boundary_conditions);
     void
-    make_graph(const Stencils<dim> &stencils);
+    make_graph(const Stencils<dim> &stencils, const ActiveGrid *const before);
 
     const BackgroundGrid<dim> &grid;
     /** Of the window for which this was made. */

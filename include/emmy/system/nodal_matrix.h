@@ -112,8 +112,8 @@ namespace emmy
     std::vector<double>                    values;
     std::vector<std::size_t>               diagonals; ///< by local node
     /** By local node: where it stands in a row, and in which that is. */
-    std::vector<std::size_t>  place_of_node;
-    std::vector<unsigned int> marked_by;
+    mutable std::vector<std::size_t> place_of_node;
+    std::vector<unsigned int>        marked_by;
   };
 } // namespace emmy
 

@@ -11,7 +11,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -20,21 +19,22 @@ class Epetra_CrsMatrix;
 namespace emmy
 {
   /**
-   * A small matrix of the unknowns of some nodes, component by component: that
-   * of components i, j at nodes a, b stands at
-   * values[i by_i + j by_j + a by_a + b].
+   * A small matrix of the unknowns of some nodes: that of components i, j at
+   * nodes a, b stands at values[i by_i + j by_j + a by_a + b by_b].
    */
   struct ComponentBlocks
   {
     const double *values;  ///< of a cell's matrix
     unsigned int  n_nodes; ///< of the cell
     /** Strides. */
-    std::size_t by_i, by_j, by_a;
+    std::size_t by_i, by_j, by_a, by_b = 1;
 
-    /** The same as (dim a + i, dim b + j). */
-    template <int dim>
-    void
-    copy_to(dealii::FullMatrix<double> &matrix) const;
+    /** Values by b. */
+    const double *
+    at(const unsigned int i, const unsigned int j, const unsigned int a) const
+    {
+      return values + i * by_i + j * by_j + a * by_a;
+    }
   };
 
   /**
@@ -112,7 +112,7 @@ namespace emmy
       if (free_unknowns[unknown])
         function(unknown, 1.);
       else if (is_following[unknown])
-        for (const auto &[root, weight] : roots_of.at(unknown))
+        for (const auto &[root, weight] : roots_of[unknown])
           if (free_unknowns[root])
             function(root, weight);
     }
@@ -134,13 +134,16 @@ namespace emmy
      * @param cliques     of this rank; followers bring their roots along
      * @param first_dofs  of each local node; owned nodes come first
      * @param owned_dofs  those of this rank, without gaps
+     * @param before      another one, whose pattern serves if the same nodes
+     *   meet; null: none
      */
     void
     make(const std::vector<Clique>                          &cliques,
          const std::vector<dealii::types::global_dof_index> &first_dofs,
          const dealii::IndexSet                             &owned_dofs,
          const Constraints                                  &constraints,
-         const MPI_Comm                                      communicator);
+         const MPI_Comm                                      communicator,
+         const NodeGraph *const                              before = nullptr);
 
     /** Make a matrix on it, zero. Collective. */
     void
@@ -170,7 +173,7 @@ namespace emmy
         const dealii::FullMatrix<double> &block,
         Matrix                           &matrix) const;
 
-    /** The same in another order. */
+    /** The same in any order. */
     void
     add(const unsigned int    *nodes,
         const ComponentBlocks &blocks,
@@ -185,10 +188,14 @@ namespace emmy
 
   private:
     using Dofs = std::vector<dealii::types::global_dof_index>;
-    /** Local unknowns, dim * node + c. */
-    using Unknowns = std::vector<unsigned int>;
-    /** Unknowns or indices, with weights. */
-    using Shares = std::vector<std::pair<unsigned int, double>>;
+    /** Unknowns with weights. */
+    using Roots = std::vector<std::pair<unsigned int, double>>;
+    /** What a follower hands to a root; indices in extended. */
+    struct Share
+    {
+      unsigned int from, to;
+      double       weight;
+    };
 
     void
     note_conditions(const Constraints &constraints);
@@ -207,31 +214,25 @@ namespace emmy
     make_pattern(const dealii::IndexSet &owned_dofs,
                  const MPI_Comm          communicator);
 
-    /** Add a matrix of the unknowns in list. */
-    void
-    add_listed(const dealii::FullMatrix<double> &block,
-               const Conditions                  conditions,
-               Matrix                           &matrix) const;
-    /** Where unknowns stand in the rows of an owned node, into row_places. */
-    void
-    find_places_in_rows(const unsigned int node,
-                        const Unknowns    &unknowns) const;
-    /** C^T block C, into condensed, over the unknowns in extended. */
-    void
-    condense(const Unknowns                   &unknowns,
-             const dealii::FullMatrix<double> &block) const;
-    /** The same where some follow: their roots come behind in extended. */
-    void
-    hand_to_roots(const dealii::FullMatrix<double> &block) const;
     /** Which of some nodes an owned node meets, into node_places. */
     void
     find_places_of(const unsigned int  node,
                    const unsigned int *nodes,
                    const unsigned int  n) const;
+    /** Add a matrix to the rows as it is. */
     void
-    scatter(const Unknowns                   &unknowns,
-            const dealii::FullMatrix<double> &block,
-            Matrix                           &matrix) const;
+    scatter(const unsigned int    *nodes,
+            const ComponentBlocks &blocks,
+            Matrix                &matrix) const;
+    /** Of some nodes: those and their roots, shares and bound. */
+    void
+    find_roots_of(const unsigned int *nodes, const unsigned int n) const;
+    /**
+     * C^T block C, over the nodes in extended: followers hand over to their
+     * roots. Valid until the next call.
+     */
+    ComponentBlocks
+    condense(const unsigned int *nodes, const ComponentBlocks &blocks) const;
 
     Dofs         first_dofs;
     unsigned int n_owned = 0; ///< nodes
@@ -239,8 +240,9 @@ namespace emmy
      */
     std::vector<char> free_unknowns, is_following;
     /** By local node: whether no unknown has a condition. */
-    std::vector<char>                        is_plain;
-    std::unordered_map<unsigned int, Shares> roots_of;
+    std::vector<char> is_plain;
+    /** By local unknown, of those that follow; without any, empty. */
+    std::vector<Roots> roots_of;
 
     /** Neighbours of a node, sorted: from [first[node]] to [first[node + 1]].
      */
@@ -250,17 +252,17 @@ namespace emmy
      * in nodes. */
     std::vector<unsigned int>               places;
     ForeignRows<dim>                        foreign;
-    std::unique_ptr<const Epetra_CrsMatrix> pattern;
+    std::shared_ptr<const Epetra_CrsMatrix> pattern; ///< of one or more graphs
 
     // work arrays of a call
     mutable std::vector<unsigned int> place_of_node, marked_by;
-    /** Index among unknowns, and in a row, of those that the row has. */
-    mutable std::vector<std::pair<unsigned int, unsigned int>> row_places;
-    /** Index among nodes, and where in places, of those that a node meets. */
-    mutable std::vector<std::pair<unsigned int, std::size_t>> node_places;
-    mutable Unknowns                                          list, extended;
-    mutable std::vector<Shares>                               shares;
-    mutable dealii::FullMatrix<double> in_order, half_condensed, condensed;
+    /** Index among nodes, and place in the rows, of those that a node meets. */
+    mutable std::vector<std::pair<unsigned int, unsigned int>> node_places;
+    mutable std::vector<unsigned int>                          extended;
+    mutable std::array<std::vector<Share>, dim>                shares;
+    /** Indices of nodes with a condition, by component. */
+    mutable std::array<std::vector<unsigned int>, dim> bound;
+    mutable std::vector<double>                        condensed;
   };
 } // namespace emmy
 

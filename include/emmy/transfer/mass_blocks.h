@@ -7,7 +7,7 @@ namespace emmy
 {
   /**
    * What linear solvers add on the diagonal of a node, kg, from its lumped
-   * mass in a group of points or of one point, and the mass of these points.
+   * mass in some points or of one point, and the mass of these points.
    * The second part is for nodes with S = 0 at all points; it must be far below
    * any S^2 that is not zero.
    */
@@ -30,9 +30,10 @@ namespace emmy
                  std::vector<double>       &result);
 
   /**
-   * Hand out the effective mass M~ group by group, with what effects add to
-   * it: their sum over the nodes is M~ (Pretti et al. 2023, eqs 15, 18). Cost:
-   * a product of two shape functions for each particle and pair of its nodes.
+   * Hand out the effective mass M~ neighbourhood by neighbourhood, with what
+   * effects add to it: their sum over the nodes is M~ (Pretti et al. 2023, eqs
+   * 15, 18). Cost: a product of two shape functions for each particle and pair
+   * of its nodes.
    *
    * @param masses of the points, kg
    * @param start  with active nodes, the effects' mass and lumping
