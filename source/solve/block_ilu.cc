@@ -1,9 +1,13 @@
+#include <emmy/math/lanes.h>
 #include <emmy/solve/block_ilu.h>
 #include <emmy/solve/overlap_rows.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+
+// vectors stay within this file
+#pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace emmy
 {
@@ -17,7 +21,7 @@ namespace emmy
      */
     typedef float Four __attribute__((vector_size(16)));
 
-    inline Four
+    EMMY_INLINE Four
     read(const float *values)
     {
       Four result;
@@ -36,12 +40,12 @@ namespace emmy
     class NodeSum<2>
     {
     public:
-      void
+      EMMY_INLINE void
       add(const float *A, const float *x)
       {
         columns += read(A) * Four{x[0], x[0], x[1], x[1]};
       }
-      float
+      EMMY_INLINE float
       operator[](const int i) const
       {
         return columns[i] + columns[2 + i];
@@ -55,14 +59,14 @@ namespace emmy
     class NodeSum<3>
     {
     public:
-      void
+      EMMY_INLINE void
       add(const float *A, const float *x)
       {
         first += read(A) * x[0];
         second += read(A + 3) * x[1];
         third += read(A + 6) * x[2];
       }
-      float
+      EMMY_INLINE float
       operator[](const int i) const
       {
         return first[i] + second[i] + third[i];
@@ -71,6 +75,46 @@ namespace emmy
     private:
       Four first{}, second{}, third{};
     };
+
+    /** The arrays of BlockIlu. */
+    template <int n>
+    struct Factors
+    {
+      unsigned int        n_nodes, n_blocks;
+      const unsigned int *lower, *upper, *columns;
+      const float        *blocks;
+      float              *work;
+    };
+
+    /** From r to U^-1 L^-1 r. */
+    template <int n>
+    EMMY_INLINE void
+    substitute_all(const Factors<n> &of)
+    {
+      for (unsigned int i = 0; i < of.n_nodes; ++i)
+        {
+          NodeSum<n> sum;
+          for (unsigned int k = of.lower[i]; k < of.lower[i + 1]; ++k)
+            sum.add(of.blocks + n * n * std::size_t(k),
+                    of.work + n * of.columns[k]);
+          for (int m = 0; m < n; ++m)
+            of.work[n * i + m] += sum[m];
+        }
+      for (unsigned int i = of.n_nodes; i-- > 0;)
+        {
+          const unsigned int end = i > 0 ? of.upper[i - 1] : of.n_blocks;
+          NodeSum<n>         sum, result;
+          for (unsigned int k = of.upper[i] + 1; k < end; ++k)
+            sum.add(of.blocks + n * n * std::size_t(k),
+                    of.work + n * of.columns[k]);
+          for (int m = 0; m < n; ++m)
+            of.work[n * i + m] -= sum[m];
+          result.add(of.blocks + n * n * std::size_t(of.upper[i]),
+                     of.work + n * i);
+          for (int m = 0; m < n; ++m)
+            of.work[n * i + m] = result[m];
+        }
+    }
 
     /** C += A B. */
     template <int n>
@@ -145,6 +189,21 @@ namespace emmy
     }
   } // namespace
 
+  namespace ilu_kernels
+  {
+    // no templates: those have no clones
+    EMMY_CLONES void
+    substitute(const Factors<2> &of)
+    {
+      substitute_all(of);
+    }
+    EMMY_CLONES void
+    substitute(const Factors<3> &of)
+    {
+      substitute_all(of);
+    }
+  } // namespace ilu_kernels
+
   template <int n>
   BlockIlu<n>::BlockIlu()
     : rows(std::make_unique<OverlapRows<n>>())
@@ -195,10 +254,8 @@ namespace emmy
     const unsigned int n_nodes = rows->n_nodes();
     scale.assign(n * n_nodes, 1.);
     for (unsigned int i = 0; i < n * n_nodes; ++i)
-      rows->for_each(i, [&](const unsigned int j, const double value) {
-        if (i == j && value != 0.)
-          scale[i] = 1. / std::sqrt(std::abs(value));
-      });
+      if (rows->diagonal(i) != 0.)
+        scale[i] = 1. / std::sqrt(std::abs(rows->diagonal(i)));
 
     // one more: something to read behind the last
     blocks.assign(columns.size() + 1, Block{});
@@ -308,25 +365,14 @@ namespace emmy
     for (unsigned int i = 0; i < n * n_nodes; ++i)
       work[i] = static_cast<float>(scaled(i) / size);
 
-    for (unsigned int i = 0; i < n_nodes; ++i)
-      {
-        NodeSum<n> sum;
-        for (unsigned int k = lower[i]; k < lower[i + 1]; ++k)
-          sum.add(blocks[k].data(), &work[n * columns[k]]);
-        for (int m = 0; m < n; ++m)
-          work[n * i + m] += sum[m];
-      }
-    for (unsigned int i = n_nodes; i-- > 0;)
-      {
-        NodeSum<n> sum, result;
-        for (unsigned int k = upper[i] + 1; k < upper_end(i); ++k)
-          sum.add(blocks[k].data(), &work[n * columns[k]]);
-        for (int m = 0; m < n; ++m)
-          work[n * i + m] -= sum[m];
-        result.add(blocks[upper[i]].data(), &work[n * i]);
-        for (int m = 0; m < n; ++m)
-          work[n * i + m] = result[m];
-      }
+    ilu_kernels::substitute(
+      Factors<n>{n_nodes,
+                 static_cast<unsigned int>(columns.size()),
+                 lower.data(),
+                 upper.data(),
+                 columns.data(),
+                 blocks.front().data(),
+                 work.data()});
     return size;
   }
 

@@ -75,7 +75,8 @@ namespace emmy
       return result;
     }
 
-    /** Row by row along the longest extent: neighbours stand near each other. */
+    /** Row by row along the longest extent: neighbours stand near each other.
+     */
     template <std::size_t dim>
     void
     order(std::vector<std::array<int, dim>> &keys)
@@ -271,25 +272,24 @@ namespace emmy
             int     length, *columns;
             double *values;
             entries.ExtractMyRowView(dim * node + i, length, values, columns);
-            std::size_t place = first.back();
-            for (int k = 0; k < length; ++k)
+            for (int k = 0; k < length;)
               {
+                // neighbours in the same box stand together
                 const unsigned int box = box_of[columns[k]];
-                if (place >= boxes.size() || boxes[place] != box)
+                Motion             sum{};
+                for (; k < length && box_of[columns[k]] == box; ++k)
+                  for (unsigned int m = 0; m < n_modes; ++m)
+                    sum[m] += values[k] * motions[columns[k]][m];
+                const auto place =
+                  std::find(boxes.begin() + first.back(), boxes.end(), box) -
+                  boxes.begin();
+                if (place == static_cast<std::ptrdiff_t>(boxes.size()))
                   {
-                    place = std::find(boxes.begin() + first.back(),
-                                      boxes.end(),
-                                      box) -
-                            boxes.begin();
-                    if (place == boxes.size())
-                      {
-                        boxes.push_back(box);
-                        products.push_back(Motions{});
-                      }
+                    boxes.push_back(box);
+                    products.push_back(Motions{});
                   }
-                const auto &motion = motions[columns[k]];
                 for (unsigned int m = 0; m < n_modes; ++m)
-                  products[place][m][i] += values[k] * motion[m];
+                  products[place][m][i] += sum[m];
               }
             const int own =
               entries.ColMap().LID(entries.RowMap().GID(dim * node + i));

@@ -102,6 +102,7 @@ namespace emmy
                                   *owned.begin() / n + n_owned);
             for (const global_dof_index node : find_others())
               others.add_index(node);
+            values.assign(n * (n_owned + others.n_elements()) + 1, 0.);
             exchange = NodeExchange(dealii::Utilities::MPI::Partitioner(
               own_nodes, others, matrix->get_mpi_communicator()));
           }
@@ -124,6 +125,24 @@ namespace emmy
     return result;
   }
 
+  std::vector<unsigned int>
+  NodeProduct::nodes_of_columns() const
+  {
+    const std::vector<global_dof_index> others  = find_others();
+    const Epetra_BlockMap              &columns = graph->ColMap();
+    std::vector<unsigned int>           result(columns.NumMyElements());
+    for (unsigned int j = 0; j < result.size(); ++j)
+      {
+        const int own = graph->RowMap().LID(columns.GID(j));
+        result[j]     = own >= 0 ? own / n
+                                 : n_owned + (std::lower_bound(others.begin(),
+                                                           others.end(),
+                                                           columns.GID(j) / n) -
+                                          others.begin());
+      }
+    return result;
+  }
+
   bool
   NodeProduct::find_blocks()
   {
@@ -133,8 +152,8 @@ namespace emmy
     n_owned          = n_rows / n;
     if ((n != 2 && n != 3) || n_rows % n != 0 || !graph->RowMap().LinearMap())
       return false;
-    const std::vector<global_dof_index> others = find_others();
-    values.assign(n * (n_owned + others.size()) + 1, 0.);
+    const std::vector<unsigned int> node_of = nodes_of_columns();
+    const int *const unknown_of = graph->ColMap().MyGlobalElements();
     for (unsigned int node = 0; node < n_owned; ++node)
       {
         int length, *columns;
@@ -151,22 +170,15 @@ namespace emmy
                 !std::equal(columns, columns + length, columns_of_other))
               return false;
           }
-        for (int k = 0; k < length; ++k)
+        for (const int *column = columns; column < columns + length;
+             column += n)
           {
-            const int begin = graph->ColMap().GID(columns[k - k % n]);
-            if (begin % n != 0 ||
-                graph->ColMap().GID(columns[k]) != begin + k % int(n))
+            if (unknown_of[*column] % n != 0)
               return false;
-            if (k % n != 0)
-              continue;
-            const int own = graph->RowMap().LID(begin);
-            nodes.push_back(
-              own >= 0
-                ? own / n
-                : n_owned + (std::lower_bound(others.begin(),
-                                              others.end(),
-                                              global_dof_index(begin) / n) -
-                             others.begin()));
+            for (unsigned int c = 1; c < n; ++c)
+              if (unknown_of[column[c]] != unknown_of[*column] + int(c))
+                return false;
+            nodes.push_back(node_of[*column]);
           }
         first.push_back(nodes.size());
       }

@@ -58,6 +58,29 @@ namespace emmy
   }
 
   template <int n>
+  void
+  OverlapRows<n>::find_diagonals()
+  {
+    diagonals.assign(n_own + n_others, nowhere);
+    for (unsigned int i = 0; i < diagonals.size(); ++i)
+      if (i >= begin() && i < end())
+        {
+          int length, *in_row;
+          graph->ExtractMyRowView(i - begin(), length, in_row);
+          for (int k = 0; k < length; ++k)
+            if (column[in_row[k]] == i)
+              diagonals[i] = k;
+        }
+      else
+        {
+          const unsigned int other = i < begin() ? i : i - n_own;
+          for (std::size_t k = first[other]; k < first[other + 1]; ++k)
+            if (other_columns[k] == i)
+              diagonals[i] = k;
+        }
+  }
+
+  template <int n>
   bool
   OverlapRows<n>::read(const Matrix &matrix)
   {
@@ -100,6 +123,7 @@ namespace emmy
               other_columns.push_back(place_of(rows[i + k]));
             first.push_back(other_columns.size());
           }
+        find_diagonals();
       }
     values = hand_over<double>([&](const int i, auto &message) {
       const double *const of_row = (*entries)[i];

@@ -53,6 +53,9 @@ namespace emmy
     /** Whether all rows of this rank are in blocks; sets first, nodes. */
     bool
     find_blocks();
+    /** As indices of own ones, then of others. */
+    std::vector<unsigned int>
+    nodes_of_columns() const;
     /** Nodes of others that rows of this rank meet, sorted. */
     std::vector<dealii::types::global_dof_index>
     find_others() const;

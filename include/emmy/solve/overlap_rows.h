@@ -72,6 +72,15 @@ namespace emmy
           entry(other_columns[k], values[k]);
     }
 
+    /** Zero if it has none. */
+    double
+    diagonal(const unsigned int i) const
+    {
+      return diagonals[i] == nowhere     ? 0.
+             : i >= begin() && i < end() ? (*entries)[i - begin()][diagonals[i]]
+                                         : values[diagonals[i]];
+    }
+
     /**
      * Entries of a vector at the unknowns of others, first those below
      * begin(), then those from end() on. Neighbours call it too.
@@ -81,10 +90,13 @@ namespace emmy
 
   private:
     static constexpr unsigned int none = dealii::numbers::invalid_unsigned_int;
+    static constexpr std::size_t  nowhere = static_cast<std::size_t>(-1);
 
     /** The nodes of others, and with whom they are exchanged. */
     std::vector<dealii::types::global_dof_index>
     meet(const Matrix &matrix);
+    void
+    find_diagonals();
     /** What each neighbour gets of own rows: what() of an unknown. */
     template <class Number, class What>
     std::vector<Number>
@@ -100,6 +112,7 @@ namespace emmy
     std::vector<std::size_t>    first;
     std::vector<unsigned int>   other_columns;
     std::vector<double>         values;
+    std::vector<std::size_t>    diagonals; ///< where in the row, or in values
     mutable std::vector<double> from_others;
   };
 } // namespace emmy
