@@ -1,4 +1,5 @@
 #include <emmy/math/node_numbers.h>
+#include <emmy/solve/met_nodes.h>
 #include <emmy/solve/node_product.h>
 
 #include <Epetra_CrsMatrix.h>
@@ -94,17 +95,9 @@ namespace emmy
         exchange = NodeExchange();
         if (has_blocks)
           {
-            const auto       owned = matrix->locally_owned_range_indices();
-            dealii::IndexSet own_nodes(owned.size() / n),
-              others(owned.size() / n);
-            if (n_owned > 0)
-              own_nodes.add_range(*owned.begin() / n,
-                                  *owned.begin() / n + n_owned);
-            for (const global_dof_index node : find_others())
-              others.add_index(node);
-            values.assign(n * (n_owned + others.n_elements()) + 1, 0.);
-            exchange = NodeExchange(dealii::Utilities::MPI::Partitioner(
-              own_nodes, others, matrix->get_mpi_communicator()));
+            const auto others = met_on_others(*graph, n);
+            values.assign(n * (n_owned + others.size()) + 1, 0.);
+            exchange = exchange_with_others(*matrix, n, others);
           }
       }
     rows.resize(entries.NumMyRows());
@@ -112,23 +105,10 @@ namespace emmy
       rows[row] = entries[row];
   }
 
-  std::vector<global_dof_index>
-  NodeProduct::find_others() const
-  {
-    const Epetra_BlockMap        &met = graph->ColMap();
-    std::vector<global_dof_index> result;
-    for (int j = 0; j < met.NumMyElements(); ++j)
-      if (!graph->RowMap().MyGID(met.GID(j)))
-        result.push_back(met.GID(j) / n);
-    std::sort(result.begin(), result.end());
-    result.erase(std::unique(result.begin(), result.end()), result.end());
-    return result;
-  }
-
   std::vector<unsigned int>
   NodeProduct::nodes_of_columns() const
   {
-    const std::vector<global_dof_index> others  = find_others();
+    const std::vector<global_dof_index> others  = met_on_others(*graph, n);
     const Epetra_BlockMap              &columns = graph->ColMap();
     std::vector<unsigned int>           result(columns.NumMyElements());
     for (unsigned int j = 0; j < result.size(); ++j)

@@ -1,5 +1,6 @@
 #include <deal.II/base/mpi.h>
 
+#include <emmy/solve/met_nodes.h>
 #include <emmy/solve/overlap_rows.h>
 
 #include <algorithm>
@@ -16,24 +17,14 @@ namespace emmy
                 dealii::ExcMessage("A rank has a part of a node."));
     AssertThrow(graph->RowMap().LinearMap(),
                 dealii::ExcMessage("Unknowns of ranks are not in order."));
-    const Epetra_BlockMap &columns = graph->ColMap();
-    dealii::IndexSet       own(matrix.m() / n), others(matrix.m() / n);
-    const auto             range = matrix.local_range();
-    own.add_range(range.first / n, range.second / n);
-    std::vector<global_dof_index> result;
-    for (int j = 0; j < columns.NumMyElements(); ++j)
-      if (!graph->RowMap().MyGID(columns.GID(j)))
-        result.push_back(columns.GID(j) / n);
-    std::sort(result.begin(), result.end());
-    result.erase(std::unique(result.begin(), result.end()), result.end());
-    others.add_indices(result.begin(), result.end());
-    exchange = NodeExchange(
-      dealii::Utilities::MPI::Partitioner(own, others, communicator));
-    n_own    = matrix.local_size();
-    n_others = n * result.size();
-    first_own =
-      n * (std::lower_bound(result.begin(), result.end(), range.first / n) -
-           result.begin());
+    const std::vector<global_dof_index> result = met_on_others(*graph, n);
+    exchange  = exchange_with_others(matrix, n, result);
+    n_own     = matrix.local_size();
+    n_others  = n * result.size();
+    first_own = n * (std::lower_bound(result.begin(),
+                                      result.end(),
+                                      matrix.local_range().first / n) -
+                     result.begin());
     return result;
   }
 

@@ -56,9 +56,6 @@ namespace emmy
     /** As indices of own ones, then of others. */
     std::vector<unsigned int>
     nodes_of_columns() const;
-    /** Nodes of others that rows of this rank meet, sorted. */
-    std::vector<dealii::types::global_dof_index>
-    find_others() const;
 
     const unsigned int                     n;
     const Matrix                          *matrix = nullptr;

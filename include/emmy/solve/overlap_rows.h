@@ -76,9 +76,11 @@ namespace emmy
     double
     diagonal(const unsigned int i) const
     {
-      return diagonals[i] == nowhere     ? 0.
-             : i >= begin() && i < end() ? (*entries)[i - begin()][diagonals[i]]
-                                         : values[diagonals[i]];
+      if (diagonals[i] == nowhere)
+        return 0.;
+      const bool is_own = i >= begin() && i < end();
+      return is_own ? (*entries)[i - begin()][diagonals[i]]
+                    : values[diagonals[i]];
     }
 
     /**
