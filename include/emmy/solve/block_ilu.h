@@ -24,9 +24,9 @@ namespace emmy
    * Schwarz, Cai and Sarkis 1999, SIAM J. Sci. Comput. 21, 792). So ranks cost
    * next to no iterations, for one more exchange of a layer of nodes in each.
    *
-   * Cost: 4 n^2 bytes for a pair of nodes that meet; making it takes as long
-   * as some five products, where Ifpack's takes thirty or more
-   * (doc/performance.md).
+   * Cost: 4 n^2 bytes for a pair of nodes that meet; making it takes as many
+   * instructions as some sixty substitutions, a third of them for the pattern
+   * if that is another (doc/performance.md).
    *
    * @tparam n unknowns per node
    */
