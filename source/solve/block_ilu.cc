@@ -1,13 +1,13 @@
+#include <emmy/math/lanes.h>
 #include <emmy/solve/block_ilu.h>
-
-#include <Epetra_CrsMatrix.h>
-#include <Epetra_Import.h>
-#include <Epetra_Map.h>
-#include <Epetra_Vector.h>
+#include <emmy/solve/overlap_rows.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+
+// vectors stay within this file
+#pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace emmy
 {
@@ -21,7 +21,7 @@ namespace emmy
      */
     typedef float Four __attribute__((vector_size(16)));
 
-    inline Four
+    EMMY_INLINE Four
     read(const float *values)
     {
       Four result;
@@ -40,12 +40,12 @@ namespace emmy
     class NodeSum<2>
     {
     public:
-      void
+      EMMY_INLINE void
       add(const float *A, const float *x)
       {
         columns += read(A) * Four{x[0], x[0], x[1], x[1]};
       }
-      float
+      EMMY_INLINE float
       operator[](const int i) const
       {
         return columns[i] + columns[2 + i];
@@ -59,14 +59,14 @@ namespace emmy
     class NodeSum<3>
     {
     public:
-      void
+      EMMY_INLINE void
       add(const float *A, const float *x)
       {
         first += read(A) * x[0];
         second += read(A + 3) * x[1];
         third += read(A + 6) * x[2];
       }
-      float
+      EMMY_INLINE float
       operator[](const int i) const
       {
         return first[i] + second[i] + third[i];
@@ -75,6 +75,46 @@ namespace emmy
     private:
       Four first{}, second{}, third{};
     };
+
+    /** The arrays of BlockIlu. */
+    template <int n>
+    struct Factors
+    {
+      unsigned int        n_nodes, n_blocks;
+      const unsigned int *lower, *upper, *columns;
+      const float        *blocks;
+      float              *work;
+    };
+
+    /** From r to U^-1 L^-1 r. */
+    template <int n>
+    EMMY_INLINE void
+    substitute_all(const Factors<n> &of)
+    {
+      for (unsigned int i = 0; i < of.n_nodes; ++i)
+        {
+          NodeSum<n> sum;
+          for (unsigned int k = of.lower[i]; k < of.lower[i + 1]; ++k)
+            sum.add(of.blocks + n * n * std::size_t(k),
+                    of.work + n * of.columns[k]);
+          for (int m = 0; m < n; ++m)
+            of.work[n * i + m] += sum[m];
+        }
+      for (unsigned int i = of.n_nodes; i-- > 0;)
+        {
+          const unsigned int end = i > 0 ? of.upper[i - 1] : of.n_blocks;
+          NodeSum<n>         sum, result;
+          for (unsigned int k = of.upper[i] + 1; k < end; ++k)
+            sum.add(of.blocks + n * n * std::size_t(k),
+                    of.work + n * of.columns[k]);
+          for (int m = 0; m < n; ++m)
+            of.work[n * i + m] -= sum[m];
+          result.add(of.blocks + n * n * std::size_t(of.upper[i]),
+                     of.work + n * i);
+          for (int m = 0; m < n; ++m)
+            of.work[n * i + m] = result[m];
+        }
+    }
 
     /** C += A B. */
     template <int n>
@@ -147,137 +187,27 @@ namespace emmy
           result[n * j + i] = static_cast<float>(rows[i][n + j]);
       return result;
     }
-
-    /** The nodes of other ranks that rows of this one meet, in order. */
-    template <int n>
-    std::vector<int>
-    met_on_others(const Epetra_CrsMatrix &entries)
-    {
-      const Epetra_Map &met = entries.ColMap();
-      std::vector<int>  result;
-      for (int j = 0; j < met.NumMyElements(); ++j)
-        if (!entries.RowMap().MyGID(met.GID(j)))
-          result.push_back(met.GID(j) / n);
-      std::sort(result.begin(), result.end());
-      result.erase(std::unique(result.begin(), result.end()), result.end());
-      return result;
-    }
-
-    void
-    check_exchange(const int code)
-    {
-      AssertThrow(code >= 0,
-                  dealii::ExcMessage("Epetra's exchange failed with " +
-                                     std::to_string(code)));
-    }
-
-    /** The unknowns of these nodes. */
-    template <int n>
-    Epetra_Map
-    unknowns_of(const std::vector<int> &nodes, const Epetra_Map &all)
-    {
-      std::vector<int> unknowns;
-      for (const int node : nodes)
-        for (int i = 0; i < n; ++i)
-          unknowns.push_back(n * node + i);
-      return {
-        -1, static_cast<int>(unknowns.size()), unknowns.data(), 0, all.Comm()};
-    }
-
-    /**
-     * The rows of this rank's nodes between those of the nodes of others that
-     * they meet, all in the order of the whole matrix. Columns are counted
-     * likewise; those further away are left out.
-     */
-    template <int n>
-    class Rows
-    {
-    public:
-      /**
-       * @param met nodes of others
-       * @param rows_of_met their unknowns
-       * @param others where their rows come from, or nullptr
-       */
-      Rows(const Epetra_CrsMatrix &entries,
-           const std::vector<int> &met,
-           const Epetra_Map       &rows_of_met,
-           const Epetra_Import    *others)
-        : entries(entries)
-        , begin(n * (std::lower_bound(met.begin(),
-                                      met.end(),
-                                      entries.RowMap().MinMyGID() / n) -
-                     met.begin()))
-        , end(begin + entries.NumMyRows())
-        , n_nodes(entries.NumMyRows() / n + met.size())
-        , column(entries.ColMap().NumMyElements())
-      {
-        const auto place_of = [&](const int unknown) {
-          const int own = entries.RowMap().LID(unknown);
-          if (own >= 0)
-            return begin + own;
-          const auto node =
-            std::lower_bound(met.begin(), met.end(), unknown / n);
-          if (node == met.end() || *node != unknown / n)
-            return none;
-          const unsigned int place = n * (node - met.begin()) + unknown % n;
-          return place < begin ? place : place + end - begin;
-        };
-        for (unsigned int j = 0; j < column.size(); ++j)
-          column[j] = place_of(entries.ColMap().GID(j));
-        if (others == nullptr)
-          return;
-        Epetra_CrsMatrix rows(Copy, rows_of_met, 0);
-        check_exchange(rows.Import(entries, *others, Insert));
-        for (int i = 0; i < rows.NumMyRows(); ++i)
-          {
-            int     length, *unknowns;
-            double *of_row;
-            rows.ExtractGlobalRowView(rows.GRID(i), length, of_row, unknowns);
-            for (int k = 0; k < length; ++k)
-              other_columns.push_back(place_of(unknowns[k]));
-            values.insert(values.end(), of_row, of_row + length);
-            first.push_back(values.size());
-          }
-      }
-
-      /** Calls entry(column, value) for those of the unknown i. */
-      template <typename Entry>
-      void
-      for_each(const unsigned int i, const Entry &entry) const
-      {
-        if (i >= begin && i < end)
-          {
-            int     length, *in_row;
-            double *of_row;
-            entries.ExtractMyRowView(i - begin, length, of_row, in_row);
-            for (int k = 0; k < length; ++k)
-              if (column[in_row[k]] != none)
-                entry(column[in_row[k]], of_row[k]);
-            return;
-          }
-        const unsigned int other = i < begin ? i : i - (end - begin);
-        for (std::size_t k = first[other]; k < first[other + 1]; ++k)
-          if (other_columns[k] != none)
-            entry(other_columns[k], values[k]);
-      }
-
-    private:
-      const Epetra_CrsMatrix &entries;
-
-    public:
-      /** Of this rank's unknowns. */
-      const unsigned int begin, end;
-      const unsigned int n_nodes;
-
-    private:
-      std::vector<unsigned int> column, other_columns;
-      std::vector<double>       values;
-      std::vector<std::size_t>  first = {0};
-    };
   } // namespace
 
+  namespace ilu_kernels
+  {
+    // no templates: those have no clones
+    EMMY_CLONES void
+    substitute(const Factors<2> &of)
+    {
+      substitute_all(of);
+    }
+    EMMY_CLONES void
+    substitute(const Factors<3> &of)
+    {
+      substitute_all(of);
+    }
+  } // namespace ilu_kernels
+
   template <int n>
-  BlockIlu<n>::BlockIlu() = default;
+  BlockIlu<n>::BlockIlu()
+    : rows(std::make_unique<OverlapRows<n>>())
+  {}
 
   template <int n>
   BlockIlu<n>::~BlockIlu() = default;
@@ -286,55 +216,50 @@ namespace emmy
   void
   BlockIlu<n>::make(const Matrix &matrix)
   {
-    AssertThrow(matrix.local_size() % n == 0,
-                dealii::ExcMessage("A rank has a part of a node."));
-    copy(matrix);
+    if (rows->read(matrix))
+      find_pattern();
+    copy();
     factorise();
   }
 
   template <int n>
   void
-  BlockIlu<n>::copy(const Matrix &matrix)
+  BlockIlu<n>::find_pattern()
   {
-    const Epetra_CrsMatrix &entries = matrix.trilinos_matrix();
-    const std::vector<int>  met     = met_on_others<n>(entries);
-    AssertThrow(entries.RowMap().LinearMap(),
-                dealii::ExcMessage("Unknowns of ranks are not in order."));
-    const Epetra_Map rows_of_met = unknowns_of<n>(met, entries.RowMap());
-    if (entries.Comm().NumProc() > 1)
-      {
-        others = std::make_unique<Epetra_Import>(rows_of_met, entries.RowMap());
-        from_others = std::make_unique<Epetra_Vector>(rows_of_met);
-      }
-    const Rows<n>      rows(entries, met, rows_of_met, others.get());
-    const unsigned int n_nodes = rows.n_nodes;
-    begin                      = rows.begin;
-    end                        = rows.end;
-
-    std::vector<unsigned int> first(1, 0), pattern, place(n_nodes, none);
-    scale.assign(n * n_nodes, 1.);
+    const unsigned int        n_nodes = rows->n_nodes();
+    std::vector<unsigned int> first(1, 0), pattern;
+    std::vector<char>         is_met(n_nodes, false);
     for (unsigned int node = 0; node < n_nodes; ++node)
       {
-        place[node] = 0; // whatever the matrix has
+        is_met[node] = true; // whatever the matrix has
         pattern.push_back(node);
         for (int i = 0; i < n; ++i)
-          rows.for_each(n * node + i,
-                        [&](const unsigned int j, const double value) {
-                          if (place[j / n] == none)
-                            {
-                              place[j / n] = 0;
-                              pattern.push_back(j / n);
-                            }
-                          if (j == n * node + i && value != 0.)
-                            scale[j] = 1. / std::sqrt(std::abs(value));
-                        });
+          rows->for_each(n * node + i, [&](const unsigned int j, double) {
+            if (!is_met[j / n])
+              pattern.push_back(j / n);
+            is_met[j / n] = true;
+          });
         std::sort(pattern.begin() + first.back(), pattern.end());
         for (unsigned int k = first.back(); k < pattern.size(); ++k)
-          place[pattern[k]] = none;
+          is_met[pattern[k]] = false;
         first.push_back(pattern.size());
       }
     arrange(first, pattern);
+  }
 
+  template <int n>
+  void
+  BlockIlu<n>::copy()
+  {
+    const unsigned int n_nodes = rows->n_nodes();
+    scale.assign(n * n_nodes, 1.);
+    for (unsigned int i = 0; i < n * n_nodes; ++i)
+      if (rows->diagonal(i) != 0.)
+        scale[i] = 1. / std::sqrt(std::abs(rows->diagonal(i)));
+
+    // one more: something to read behind the last
+    blocks.assign(columns.size() + 1, Block{});
+    std::vector<unsigned int> place(n_nodes, none);
     for (unsigned int node = 0; node < n_nodes; ++node)
       {
         for (unsigned int k = lower[node]; k < lower[node + 1]; ++k)
@@ -342,12 +267,12 @@ namespace emmy
         for (unsigned int k = upper[node]; k < upper_end(node); ++k)
           place[columns[k]] = k;
         for (int i = 0; i < n; ++i)
-          rows.for_each(n * node + i,
-                        [&](const unsigned int j, const double value) {
-                          blocks[place[j / n]][n * (j % n) + i] =
-                            static_cast<float>(value * scale[n * node + i] *
-                                               scale[j]);
-                        });
+          rows->for_each(n * node + i,
+                         [&](const unsigned int j, const double value) {
+                           blocks[place[j / n]][n * (j % n) + i] =
+                             static_cast<float>(value * scale[n * node + i] *
+                                                scale[j]);
+                         });
       }
   }
 
@@ -379,8 +304,6 @@ namespace emmy
                        diagonal_of(node),
                        pattern.begin() + first[node + 1]);
       }
-    // one more: something to read behind the last
-    blocks.assign(columns.size() + 1, Block{});
   }
 
   template <int n>
@@ -425,14 +348,14 @@ namespace emmy
   double
   BlockIlu<n>::substitute(const Vector &r) const
   {
-    const unsigned int n_nodes = upper.size();
-    const double      *in      = r.begin();
-    if (others != nullptr)
-      check_exchange(from_others->Import(r.trilinos_vector(), *others, Insert));
-    const auto scaled = [&](const unsigned int i) {
-      return scale[i] * (i < begin ? (*from_others)[i]
-                         : i < end ? in[i - begin]
-                                   : (*from_others)[i - (end - begin)]);
+    const unsigned int n_nodes = upper.size(), begin = rows->begin(),
+                       end            = rows->end();
+    const double *const        in     = r.begin();
+    const std::vector<double> &others = rows->of_others(r);
+    const auto                 scaled = [&](const unsigned int i) {
+      return scale[i] * (i < begin ? others[i]
+                                         : i < end ? in[i - begin]
+                                                   : others[i - (end - begin)]);
     };
     // single precision has no room for very large and very small numbers
     double largest = 0.;
@@ -442,25 +365,14 @@ namespace emmy
     for (unsigned int i = 0; i < n * n_nodes; ++i)
       work[i] = static_cast<float>(scaled(i) / size);
 
-    for (unsigned int i = 0; i < n_nodes; ++i)
-      {
-        NodeSum<n> sum;
-        for (unsigned int k = lower[i]; k < lower[i + 1]; ++k)
-          sum.add(blocks[k].data(), &work[n * columns[k]]);
-        for (int m = 0; m < n; ++m)
-          work[n * i + m] += sum[m];
-      }
-    for (unsigned int i = n_nodes; i-- > 0;)
-      {
-        NodeSum<n> sum, result;
-        for (unsigned int k = upper[i] + 1; k < upper_end(i); ++k)
-          sum.add(blocks[k].data(), &work[n * columns[k]]);
-        for (int m = 0; m < n; ++m)
-          work[n * i + m] -= sum[m];
-        result.add(blocks[upper[i]].data(), &work[n * i]);
-        for (int m = 0; m < n; ++m)
-          work[n * i + m] = result[m];
-      }
+    ilu_kernels::substitute(
+      Factors<n>{n_nodes,
+                 static_cast<unsigned int>(columns.size()),
+                 lower.data(),
+                 upper.data(),
+                 columns.data(),
+                 blocks.front().data(),
+                 work.data()});
     return size;
   }
 
@@ -470,8 +382,8 @@ namespace emmy
   {
     const double size = substitute(r);
     double      *out  = z.begin();
-    for (unsigned int i = begin; i < end; ++i)
-      out[i - begin] = work[i] * scale[i] * size;
+    for (unsigned int i = rows->begin(); i < rows->end(); ++i)
+      out[i - rows->begin()] = work[i] * scale[i] * size;
   }
 
   template <int n>
@@ -480,8 +392,8 @@ namespace emmy
   {
     const double size = substitute(r);
     double      *out  = z.begin();
-    for (unsigned int i = begin; i < end; ++i)
-      out[i - begin] += work[i] * scale[i] * size;
+    for (unsigned int i = rows->begin(); i < rows->end(); ++i)
+      out[i - rows->begin()] += work[i] * scale[i] * size;
   }
 
   template class BlockIlu<2>;

@@ -1,5 +1,6 @@
 #include <deal.II/base/mpi.h>
 
+#include <emmy/math/node_numbers.h>
 #include <emmy/solve/coarse_boxes.h>
 
 #include <Epetra_CrsMatrix.h>
@@ -10,7 +11,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
+
+// vectors stay within this file
+#pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace emmy
 {
@@ -69,7 +74,105 @@ namespace emmy
           }
       return result;
     }
+
+    /** Row by row along the longest extent: neighbours stand near each other.
+     */
+    template <std::size_t dim>
+    void
+    order(std::vector<std::array<int, dim>> &keys)
+    {
+      std::array<int, dim> extent{};
+      for (unsigned int c = 0; c < dim; ++c)
+        {
+          const auto [low, high] =
+            std::minmax_element(keys.begin(),
+                                keys.end(),
+                                [c](const auto &a, const auto &b) {
+                                  return a[c] < b[c];
+                                });
+          extent[c] = keys.empty() ? 0 : (*high)[c] - (*low)[c];
+        }
+      std::array<unsigned int, dim> directions;
+      std::iota(directions.begin(), directions.end(), 0u);
+      std::stable_sort(directions.begin(),
+                       directions.end(),
+                       [&](const unsigned int a, const unsigned int b) {
+                         return extent[a] > extent[b];
+                       });
+      std::sort(keys.begin(), keys.end(), [&](const auto &a, const auto &b) {
+        for (const unsigned int c : directions)
+          if (a[c] != b[c])
+            return a[c] < b[c];
+        return false;
+      });
+    }
+
+    /** What the kernel of correct() works on. */
+    template <int dim>
+    struct Correction
+    {
+      static constexpr unsigned int n_modes = dim * (dim + 1) / 2;
+
+      unsigned int        n_nodes;
+      const unsigned int *box_of_node;
+      const double       *motions; ///< by node, mode and direction
+      const std::size_t  *first;
+      const unsigned int *boxes;
+      const double       *products; ///< as motions
+      const double       *amounts;
+      const double       *in;
+      double             *out, *left;
+    };
+
+    /** sum += modes times their amounts. */
+    template <int dim>
+    EMMY_INLINE void
+    add_modes(const double                    *modes,
+              const double                    *amounts,
+              typename NodeNumbers<dim>::type &sum)
+    {
+      for (unsigned int m = 0; m < Correction<dim>::n_modes; ++m)
+        sum += read_node<dim>(modes + dim * m) * amounts[m];
+    }
+
+    template <int dim>
+    EMMY_INLINE void
+    correct_nodes(const Correction<dim> &at)
+    {
+      constexpr unsigned int n_modes = Correction<dim>::n_modes;
+      for (unsigned int node = 0; node < at.n_nodes; ++node)
+        {
+          typename NodeNumbers<dim>::type motion{}, force{};
+          add_modes<dim>(at.motions + dim * n_modes * node,
+                         at.amounts + n_modes * at.box_of_node[node],
+                         motion);
+          for (std::size_t k = at.first[node]; k < at.first[node + 1]; ++k)
+            add_modes<dim>(at.products + dim * n_modes * k,
+                           at.amounts + n_modes * at.boxes[k],
+                           force);
+          for (unsigned int c = 0; c < dim; ++c)
+            {
+              at.out[dim * node + c]  = motion[c];
+              at.left[dim * node + c] = at.in[dim * node + c] - force[c];
+            }
+        }
+    }
   } // namespace
+
+  namespace box_kernels
+  {
+    // no templates: those have no clones
+    EMMY_CLONES void
+    correct(const Correction<2> &at)
+    {
+      correct_nodes<2>(at);
+    }
+    EMMY_CLONES void
+    correct(const Correction<3> &at)
+    {
+      correct_nodes<3>(at);
+    }
+  } // namespace box_kernels
 
   template <int dim>
   void
@@ -127,13 +230,17 @@ namespace emmy
         all.assign(known.begin(), known.end());
         break;
       }
+    order(all);
+    std::map<Key, unsigned int> place_of;
+    for (const Key &key : all)
+      place_of.emplace(key, place_of.size());
 
     std::vector<unsigned int> box_of(n_columns);
     std::vector<Motion>       motions(n_columns);
     for (unsigned int j = 0; j < n_columns; ++j)
       {
         const Key &key = keys[node_of[j]];
-        box_of[j] = std::lower_bound(all.begin(), all.end(), key) - all.begin();
+        box_of[j]      = place_of.at(key);
         std::array<double, dim> d;
         for (int c = 0; c < dim; ++c)
           d[c] = 2. * (places_of_nodes[node_of[j]][c] / edge - key[c]) - 1.;
@@ -142,25 +249,22 @@ namespace emmy
           motion *= couples[j];
       }
 
-    coarse.reinit(n_modes * all.size());
-    amounts.reinit(n_modes * all.size());
-    project(matrix, box_of, motions);
+    multiply(matrix, box_of, motions);
+    project(all.size(), communicator);
   }
 
   template <int dim>
   void
-  CoarseBoxes<dim>::project(const Matrix                    &matrix,
-                            const std::vector<unsigned int> &box_of,
-                            const std::vector<Motion>       &motions)
+  CoarseBoxes<dim>::multiply(const Matrix                    &matrix,
+                             const std::vector<unsigned int> &box_of,
+                             const std::vector<Motion>       &motions)
   {
     const Epetra_CrsMatrix &entries = matrix.trilinos_matrix();
-    const unsigned int      n_rows  = amounts.size();
     first.assign(1, 0);
     boxes.clear();
     products.clear();
     box_of_node.resize(n_owned);
-    motions_of_node.resize(n_owned);
-    std::vector<double> sums(n_rows * n_rows);
+    motions_of_node.assign(n_owned + 1, Motions{});
     for (unsigned int node = 0; node < n_owned; ++node)
       {
         for (int i = 0; i < dim; ++i)
@@ -168,60 +272,85 @@ namespace emmy
             int     length, *columns;
             double *values;
             entries.ExtractMyRowView(dim * node + i, length, values, columns);
-            std::size_t place = first.back();
-            for (int k = 0; k < length; ++k)
+            for (int k = 0; k < length;)
               {
+                // neighbours in the same box stand together
                 const unsigned int box = box_of[columns[k]];
-                if (place >= boxes.size() || boxes[place] != box)
+                Motion             sum{};
+                for (; k < length && box_of[columns[k]] == box; ++k)
+                  for (unsigned int m = 0; m < n_modes; ++m)
+                    sum[m] += values[k] * motions[columns[k]][m];
+                const auto place =
+                  std::find(boxes.begin() + first.back(), boxes.end(), box) -
+                  boxes.begin();
+                if (place == static_cast<std::ptrdiff_t>(boxes.size()))
                   {
-                    place = std::find(boxes.begin() + first.back(),
-                                      boxes.end(),
-                                      box) -
-                            boxes.begin();
-                    if (place == boxes.size())
-                      {
-                        boxes.push_back(box);
-                        products.push_back(Motions{});
-                      }
+                    boxes.push_back(box);
+                    products.push_back(Motions{});
                   }
-                const auto &motion = motions[columns[k]];
                 for (unsigned int m = 0; m < n_modes; ++m)
-                  products[place][i][m] += values[k] * motion[m];
+                  products[place][m][i] += sum[m];
               }
-          }
-        for (int i = 0; i < dim; ++i)
-          {
             const int own =
               entries.ColMap().LID(entries.RowMap().GID(dim * node + i));
-            box_of_node[node]        = box_of[own];
-            motions_of_node[node][i] = motions[own];
+            box_of_node[node] = box_of[own];
+            for (unsigned int m = 0; m < n_modes; ++m)
+              motions_of_node[node][m][i] = motions[own][m];
           }
         first.push_back(boxes.size());
-        for (std::size_t k = first[node]; k < first[node + 1]; ++k)
-          for (unsigned int m = 0; m < n_modes; ++m)
-            for (unsigned int l = 0; l < n_modes; ++l)
-              for (int i = 0; i < dim; ++i)
-                sums[(n_modes * box_of_node[node] + m) * n_rows +
-                     n_modes * boxes[k] + l] +=
-                  motions_of_node[node][i][m] * products[k][i][l];
       }
+    products.push_back(Motions{});
+  }
+
+  template <int dim>
+  void
+  CoarseBoxes<dim>::project(const unsigned int n_boxes,
+                            const MPI_Comm     communicator)
+  {
+    unsigned int farthest = 0; // of two boxes that meet
+    for (unsigned int node = 0; node < n_owned; ++node)
+      for (std::size_t k = first[node]; k < first[node + 1]; ++k)
+        farthest = std::max(farthest,
+                            std::max(boxes[k], box_of_node[node]) -
+                              std::min(boxes[k], box_of_node[node]));
+    farthest = dealii::Utilities::MPI::max(farthest, communicator);
+
+    const unsigned int n_rows = n_modes * n_boxes,
+                       width  = n_modes * (farthest + 1) - 1;
+    std::vector<double> sums(std::size_t(2 * width + 1) * n_rows);
+    const auto          entry = [&](const unsigned int i,
+                           const unsigned int j) -> double          &{
+      return sums[std::size_t(2 * width) * i + width + j];
+    };
+    for (unsigned int node = 0; node < n_owned; ++node)
+      for (std::size_t k = first[node]; k < first[node + 1]; ++k)
+        for (unsigned int m = 0; m < n_modes; ++m)
+          for (unsigned int l = 0; l < n_modes; ++l)
+            for (int i = 0; i < dim; ++i)
+              entry(n_modes * box_of_node[node] + m, n_modes * boxes[k] + l) +=
+                motions_of_node[node][m][i] * products[k][l][i];
     dealii::Utilities::MPI::sum(
       dealii::ArrayView<const double>(sums.data(), sums.size()),
-      matrix.get_mpi_communicator(),
+      communicator,
       dealii::ArrayView<double>(sums.data(), sums.size()));
 
     // boxes whose nodes hardly move would make it singular
     constexpr double relative = 1e-8, absolute = 1e-10;
     double           largest = 0.;
     for (unsigned int i = 0; i < n_rows; ++i)
-      largest = std::max(largest, std::abs(sums[i * n_rows + i]));
+      largest = std::max(largest, std::abs(entry(i, i)));
+    coarse.reinit(n_rows, width);
     for (unsigned int i = 0; i < n_rows; ++i)
-      for (unsigned int j = 0; j < n_rows; ++j)
-        coarse(i, j) = sums[i * n_rows + j];
-    for (unsigned int i = 0; i < n_rows; ++i)
-      coarse(i, i) += relative * std::abs(coarse(i, i)) +
-                      (largest > 0. ? absolute * largest : 1.);
-    coarse.compute_lu_factorization();
+      {
+        const unsigned int begin = i > width ? i - width : 0,
+                           end   = std::min(n_rows, i + width + 1);
+        for (unsigned int j = begin; j < end; ++j)
+          coarse(i, j) = entry(i, j);
+        coarse(i, i) += relative * std::abs(entry(i, i)) +
+                        (largest > 0. ? absolute * largest : 1.);
+      }
+    coarse.factorise();
+    amounts.resize(n_rows);
   }
 
   template <int dim>
@@ -229,29 +358,28 @@ namespace emmy
   CoarseBoxes<dim>::correct(const Vector &r, Vector &y, Vector &rest) const
   {
     const double *in = r.begin();
-    amounts          = 0.;
+    std::fill(amounts.begin(), amounts.end(), 0.);
     for (unsigned int node = 0; node < n_owned; ++node)
-      for (int c = 0; c < dim; ++c)
+      {
+        const Motions &motions = motions_of_node[node];
+        double *const  amount  = &amounts[n_modes * box_of_node[node]];
         for (unsigned int m = 0; m < n_modes; ++m)
-          amounts[n_modes * box_of_node[node] + m] +=
-            motions_of_node[node][c][m] * in[dim * node + c];
+          for (int c = 0; c < dim; ++c)
+            amount[m] += motions[m][c] * in[dim * node + c];
+      }
     dealii::Utilities::MPI::sum(amounts, r.get_mpi_communicator(), amounts);
-    coarse.solve(amounts);
+    coarse.solve(amounts.data());
 
-    double *out = y.begin(), *left = rest.begin();
-    for (unsigned int node = 0; node < n_owned; ++node)
-      for (int c = 0; c < dim; ++c)
-        {
-          double        motion = 0., force = 0.;
-          const double *amount = &amounts[n_modes * box_of_node[node]];
-          for (unsigned int m = 0; m < n_modes; ++m)
-            motion += motions_of_node[node][c][m] * amount[m];
-          for (std::size_t k = first[node]; k < first[node + 1]; ++k)
-            for (unsigned int m = 0; m < n_modes; ++m)
-              force += products[k][c][m] * amounts[n_modes * boxes[k] + m];
-          out[dim * node + c]  = motion;
-          left[dim * node + c] = in[dim * node + c] - force;
-        }
+    box_kernels::correct(Correction<dim>{n_owned,
+                                         box_of_node.data(),
+                                         motions_of_node.front().front().data(),
+                                         first.data(),
+                                         boxes.data(),
+                                         products.front().front().data(),
+                                         amounts.data(),
+                                         in,
+                                         y.begin(),
+                                         rest.begin()});
   }
 
   template class CoarseBoxes<2>;

@@ -141,6 +141,7 @@ namespace emmy
         : method(method)
         , preconditioner_name(preconditioner)
         , max_iterations(max_iterations)
+        , product(n_components)
         , preconditioner(make_preconditioner(preconditioner, n_components))
       {}
 
@@ -154,8 +155,9 @@ namespace emmy
       prepare(const Matrix     &new_matrix,
               const NodePlaces *new_places = nullptr) override
       {
-        matrix                       = &new_matrix;
-        places                       = new_places;
+        matrix = &new_matrix;
+        places = new_places;
+        product.set(*matrix);
         const Epetra_CrsGraph &graph = matrix->trilinos_matrix().Graph();
         is_kept = serves && places && graph.DataPtr() == pattern->DataPtr();
         return is_kept ? LinearResult() : make();
@@ -243,7 +245,7 @@ namespace emmy
             if (!part.is_solved)
               break;
             x += correction;
-            norm = matrix->residual(residual, x, b);
+            norm = product.residual(residual, x, b);
           }
         if (result.problem.empty() && !(norm <= goal))
           result.problem = name() + " stays at the residual " + shortest(norm) +
@@ -267,7 +269,7 @@ namespace emmy
         LinearResult result;
         if (method == "GMRES")
           {
-            Gmres gmres(*matrix, *preconditioner, /*restart=*/50);
+            Gmres gmres(product, *preconditioner, /*restart=*/50);
             result.is_solved  = gmres.solve(x, b, goal, most);
             result.iterations = gmres.iterations();
             if (!result.is_solved)
@@ -305,6 +307,7 @@ namespace emmy
       const unsigned int                    max_iterations;
       const Matrix                         *matrix = nullptr;
       const NodePlaces                     *places = nullptr;
+      NodeProduct                           product;
       const std::unique_ptr<Preconditioner> preconditioner;
       /** Of the matrix that the preconditioner was made of, if it can serve
        * for others. */

@@ -7,6 +7,25 @@
 
 namespace emmy
 {
+  namespace
+  {
+    /** Which nodes this rank owns, and which it knows besides. Collective. */
+    template <int dim>
+    dealii::Utilities::MPI::Partitioner
+    partition_of(const ActiveGrid<dim> &grid)
+    {
+      dealii::IndexSet own(grid.n_dofs() / dim), others(own.size());
+      if (grid.n_owned_nodes() > 0)
+        own.add_range(grid.first_dof(0) / dim,
+                      grid.first_dof(0) / dim + grid.n_owned_nodes());
+      for (unsigned int node = grid.n_owned_nodes();
+           node < grid.n_local_nodes();
+           ++node)
+        others.add_index(grid.first_dof(node) / dim);
+      return {own, others, grid.communicator()};
+    }
+  } // namespace
+
   template <int dim>
   MassSolver<dim>::MassSolver(const NodalMatrix<dim>    &mass,
                               const std::vector<double> &damping,
@@ -14,6 +33,7 @@ namespace emmy
     : mass(mass)
     , graph(mass.grid().graph())
     , conditions(conditions)
+    , exchange(partition_of(mass.grid()))
   {
     find_diagonal(damping);
   }
@@ -49,12 +69,10 @@ namespace emmy
   void
   MassSolver<dim>::share(Values &values) const
   {
-    if (dealii::Utilities::MPI::n_mpi_processes(mass.grid().communicator()) ==
-        1)
-      return;
-    std::vector<double> local = without_stride(values);
-    mass.grid().share(local);
-    values = with_stride(local);
+    double *const others =
+      values.data() + std::size_t(stride) * mass.grid().n_owned_nodes();
+    exchange.add(values.data(), stride, others);
+    exchange.update(values.data(), stride, others);
   }
 
   template <int dim>

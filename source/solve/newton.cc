@@ -2,6 +2,8 @@
 #include <emmy/solve/newton.h>
 #include <emmy/solve/rank_one_update.h>
 
+#include <Epetra_CrsMatrix.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -38,15 +40,37 @@ namespace emmy
     /** Where the damped try starts. */
     constexpr double first_damping = 1e-5;
 
+    /** Calls use(entry) for those on the diagonal of this rank's rows. */
+    template <class Use>
+    void
+    for_each_on_diagonal(const Matrix &matrix, const Use &use)
+    {
+      const Epetra_CrsMatrix &entries = matrix.trilinos_matrix();
+      for (int row = 0; row < entries.NumMyRows(); ++row)
+        {
+          int     length, *columns;
+          double *values;
+          entries.ExtractMyRowView(row, length, values, columns);
+          const int *const end = columns + length;
+          const int *const place =
+            std::find(static_cast<const int *>(columns),
+                      end,
+                      entries.ColMap().LID(entries.RowMap().GID(row)));
+          AssertThrow(place != end,
+                      dealii::ExcMessage("A row has no diagonal."));
+          use(values[place - columns]);
+        }
+    }
+
     /** The sizes of a matrix's diagonal. */
     Vector
     diagonal_of(const Matrix &matrix, const Vector &like)
     {
-      Vector     result = like;
-      const auto rows   = matrix.local_range();
-      auto       entry  = result.begin();
-      for (auto row = rows.first; row < rows.second; ++row)
-        *entry++ = std::abs(matrix.diag_element(row));
+      Vector result = like;
+      auto   entry  = result.begin();
+      for_each_on_diagonal(matrix, [&entry](const double value) {
+        *entry++ = std::abs(value);
+      });
       return result;
     }
 
@@ -54,10 +78,9 @@ namespace emmy
     void
     damp(const double mu, Matrix &matrix)
     {
-      const auto rows = matrix.local_range();
-      for (auto row = rows.first; row < rows.second; ++row)
-        matrix.add(row, row, mu * std::abs(matrix.diag_element(row)));
-      matrix.compress(dealii::VectorOperation::add);
+      for_each_on_diagonal(matrix, [mu](double &value) {
+        value += mu * std::abs(value);
+      });
     }
 
     /** sqrt(sum r_i^2 / d_i): every node counts alike. Collective. */

@@ -93,6 +93,9 @@ namespace emmy
   Constraints::condense(Vector &vector) const
   {
     fold(vector);
-    set_zero(vector);
+    // set_zero() ends with an exchange of what there is none of
+    for (const auto &line : lines.get_lines())
+      if (partition->in_local_range(line.index))
+        vector.begin()[partition->global_to_local(line.index)] = 0.;
   }
 } // namespace emmy

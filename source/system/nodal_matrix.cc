@@ -1,4 +1,4 @@
-#include <emmy/math/lanes.h>
+#include <emmy/math/node_numbers.h>
 #include <emmy/system/nodal_matrix.h>
 
 #include <algorithm>
@@ -12,20 +12,6 @@ namespace emmy
 {
   namespace
   {
-    /** The numbers of a node, side by side. */
-    template <int dim>
-    struct OfNode;
-    template <>
-    struct OfNode<2>
-    {
-      typedef double type __attribute__((vector_size(16)));
-    };
-    template <>
-    struct OfNode<3>
-    {
-      typedef double type __attribute__((vector_size(32)));
-    };
-
     /** What kernels work on; the rows of a graph. */
     template <int dim>
     struct Rows
@@ -36,21 +22,17 @@ namespace emmy
     };
 
     template <int dim>
-    EMMY_INLINE typename OfNode<dim>::type
+    EMMY_INLINE typename NodeNumbers<dim>::type
     read(const double *x, const unsigned int node)
     {
-      typename OfNode<dim>::type result;
-      std::memcpy(&result,
-                  x + std::size_t(NodalMatrix<dim>::stride) * node,
-                  sizeof result);
-      return result;
+      return read_node<dim>(x + std::size_t(NodalMatrix<dim>::stride) * node);
     }
 
     template <int dim>
     EMMY_INLINE void
-    write(const typename OfNode<dim>::type &value,
-          double                           *x,
-          const unsigned int                node)
+    write(const typename NodeNumbers<dim>::type &value,
+          double                                *x,
+          const unsigned int                     node)
     {
       std::memcpy(x + std::size_t(NodalMatrix<dim>::stride) * node,
                   &value,
@@ -63,10 +45,10 @@ namespace emmy
     {
       for (unsigned int node = 0; node < rows.n_nodes; ++node)
         {
-          const auto                 row    = rows.graph.row(node);
-          const double              *values = rows.values + row.first;
-          typename OfNode<dim>::type even{}, odd{};
-          unsigned int               k = 0;
+          const auto                      row    = rows.graph.row(node);
+          const double                   *values = rows.values + row.first;
+          typename NodeNumbers<dim>::type even{}, odd{};
+          unsigned int                    k = 0;
           for (; k + 1 < row.n; k += 2) // two sums, as one waits
             {
               even += values[k] * read<dim>(x, row.nodes[k]);
@@ -87,18 +69,18 @@ namespace emmy
     {
       for (unsigned int node = 0; node < rows.n_nodes; ++node)
         {
-          const auto                 row    = rows.graph.row(node);
-          const double              *values = rows.values + row.first;
-          typename OfNode<dim>::type sum    = read<dim>(r, node);
+          const auto                      row    = rows.graph.row(node);
+          const double                   *values = rows.values + row.first;
+          typename NodeNumbers<dim>::type sum    = read<dim>(r, node);
           for (unsigned int k = 0; k < row.n && row.nodes[k] < node; ++k)
             sum -= values[k] * read<dim>(z, row.nodes[k]);
           write<dim>(sum * read<dim>(inverse, node), z, node);
         }
       for (unsigned int node = rows.n_nodes; node-- > 0;)
         {
-          const auto                 row    = rows.graph.row(node);
-          const double              *values = rows.values + row.first;
-          typename OfNode<dim>::type sum{};
+          const auto                      row    = rows.graph.row(node);
+          const double                   *values = rows.values + row.first;
+          typename NodeNumbers<dim>::type sum{};
           for (unsigned int k = row.n; k-- > 0 && row.nodes[k] > node;)
             if (row.nodes[k] < rows.n_nodes)
               sum += values[k] * read<dim>(z, row.nodes[k]);

@@ -96,13 +96,15 @@ namespace
     const Matrix matrix = make_matrix(
       [](const unsigned int i) { return std::pow(10., -5. * i / n); },
       [](const unsigned int i) { return i + 1 < n ? 1e-6 * (i % 3) : 0.; });
+    NodeProduct product(1);
+    product.set(matrix);
     const Divided halved(2.);
     const Vector  b = right_side();
     Vector        x(b), residual(b);
     for (const auto &[restart, most] :
          {std::make_pair(n, n), std::make_pair(30u, 20000u)})
       {
-        Gmres        gmres(matrix, halved, restart);
+        Gmres        gmres(product, halved, restart);
         const double goal = 1e-9 * b.l2_norm();
         check(gmres.solve(x, b, goal, most), "it converges");
         check(!gmres.is_broken(), "and does not break down");
@@ -113,7 +115,7 @@ namespace
         check(gmres.iterations() <= most, "no more iterations than allowed");
         check(left <= 1.001 * goal, "the true residual is what it knows of");
       }
-    Gmres few(matrix, halved, n);
+    Gmres few(product, halved, n);
     check(!few.solve(x, b, 1e-9 * b.l2_norm(), 5) && few.iterations() == 5 &&
             !few.is_broken(),
           "it stops at the limit, and says that the goal is not reached");
@@ -130,7 +132,9 @@ namespace
     {
       const Matrix three =
         make_matrix([](const unsigned int i) { return 1. + i % 3; }, none);
-      Gmres gmres(three, one, n);
+      NodeProduct product(1);
+      product.set(three);
+      Gmres gmres(product, one, n);
       check(gmres.solve(x, b, 1e-12 * b.l2_norm(), n) &&
               gmres.iterations() <= 3,
             "three eigenvalues: three iterations");
@@ -142,14 +146,18 @@ namespace
       const Matrix singular =
         make_matrix([](const unsigned int i) { return i == 0 ? 0. : 1.; },
                     none);
-      Gmres gmres(singular, one, n);
+      NodeProduct product(1);
+      product.set(singular);
+      Gmres gmres(product, one, n);
       check(!gmres.solve(x, b, 1e-9 * b.l2_norm(), 200),
             "a singular matrix is not solved");
     }
     {
       const Matrix wrong = make_matrix(
         [](const unsigned int i) { return i == 3 ? std::nan("") : 1.; }, none);
-      Gmres gmres(wrong, one, n);
+      NodeProduct product(1);
+      product.set(wrong);
+      Gmres gmres(product, one, n);
       check(!gmres.solve(x, b, 1e-9, 200) && gmres.is_broken() &&
               gmres.iterations() < 3,
             "numbers that are none are told at once");

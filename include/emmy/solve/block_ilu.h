@@ -7,11 +7,11 @@
 #include <memory>
 #include <vector>
 
-class Epetra_Import;
-class Epetra_Vector;
-
 namespace emmy
 {
+  template <int n>
+  class OverlapRows;
+
   /**
    * Incomplete LU factorisation without fill, ILU(0), of this rank's part of a
    * matrix (Saad 2003, Iterative methods for sparse linear systems, sec. 10.3),
@@ -24,9 +24,9 @@ namespace emmy
    * Schwarz, Cai and Sarkis 1999, SIAM J. Sci. Comput. 21, 792). So ranks cost
    * next to no iterations, for one more exchange of a layer of nodes in each.
    *
-   * Cost: 4 n^2 bytes for a pair of nodes that meet; making it takes as long
-   * as some five products, where Ifpack's takes thirty or more
-   * (doc/performance.md).
+   * Cost: 4 n^2 bytes for a pair of nodes that meet; making it takes as many
+   * instructions as some sixty substitutions, a third of them for the pattern
+   * if that is another (doc/performance.md).
    *
    * @tparam n unknowns per node
    */
@@ -37,7 +37,7 @@ namespace emmy
     BlockIlu();
     ~BlockIlu();
 
-    /** Factorise. */
+    /** Factorise. Keeps the pattern, for the next matrix with the same. */
     void
     make(const Matrix &matrix);
 
@@ -53,9 +53,12 @@ namespace emmy
     /** Column by column. */
     using Block = std::array<float, n * n>;
 
-    /** The pattern of the blocks, and their scaled values. */
+    /** Which blocks there are. */
     void
-    copy(const Matrix &matrix);
+    find_pattern();
+    /** Their scaled values. */
+    void
+    copy();
     /** The arrays of L and U, from the rows of the whole. */
     void
     arrange(const std::vector<unsigned int> &first,
@@ -84,11 +87,7 @@ namespace emmy
     std::vector<double>        scale;
     mutable std::vector<float> work;
 
-    /** Of this rank's unknowns, among those of others. */
-    unsigned int begin = 0, end = 0;
-    /** What the nodes of others have, of a vector; none with one rank. */
-    std::unique_ptr<Epetra_Import> others;
-    std::unique_ptr<Epetra_Vector> from_others;
+    std::unique_ptr<OverlapRows<n>> rows;
   };
 } // namespace emmy
 

@@ -1,8 +1,7 @@
 #ifndef emmy_solve_coarse_boxes_h
 #define emmy_solve_coarse_boxes_h
 
-#include <deal.II/lac/lapack_full_matrix.h>
-
+#include <emmy/solve/band_lu.h>
 #include <emmy/system/node_places.h>
 
 #include <array>
@@ -21,8 +20,10 @@ namespace emmy
    * ILU sees only node by node.
    *
    * Boxes have an edge of at least six cells, and there are so few of them that
-   * A_c has at most 600 rows. Cost: some four products with A to make it, half
-   * a product to apply it.
+   * A_c has at most 600 rows. Only boxes beside each other meet, so their
+   * order, along the body, makes A_c a band. Cost: some two products with A to
+   * make it, a quarter of one to apply it; the factors of A_c are on each rank
+   * (see BandLu).
    *
    * @tparam dim unknowns per node
    */
@@ -43,25 +44,29 @@ namespace emmy
   private:
     static constexpr unsigned int n_modes = dim * (dim + 1) / 2;
     using Key                             = std::array<int, dim>;
-    /** What the modes of its box do at an unknown, and at a node. */
+    /** What the modes of its box do at an unknown, and each at a node. */
     using Motion  = std::array<double, n_modes>;
-    using Motions = std::array<std::array<double, n_modes>, dim>;
+    using Motions = std::array<std::array<double, dim>, n_modes>;
 
-    /** @param box_of, motions of each column */
+    /** A P. @param box_of, motions of each column */
     void
-    project(const Matrix                    &matrix,
-            const std::vector<unsigned int> &box_of,
-            const std::vector<Motion>       &motions);
+    multiply(const Matrix                    &matrix,
+             const std::vector<unsigned int> &box_of,
+             const std::vector<Motion>       &motions);
+    /** A_c, and its factors. */
+    void
+    project(const unsigned int n_boxes, const MPI_Comm communicator);
 
     unsigned int              n_owned = 0; ///< nodes
     std::vector<unsigned int> box_of_node;
-    std::vector<Motions>      motions_of_node;
+    /** Of each node, and one more to read behind the last. */
+    std::vector<Motions> motions_of_node;
     /** A P: of node i, [first[i], first[i + 1]). */
-    std::vector<std::size_t>         first;
-    std::vector<unsigned int>        boxes;
-    std::vector<Motions>             products;
-    dealii::LAPACKFullMatrix<double> coarse;
-    mutable dealii::Vector<double>   amounts;
+    std::vector<std::size_t>    first;
+    std::vector<unsigned int>   boxes;
+    std::vector<Motions>        products; ///< and one more
+    BandLu                      coarse;
+    mutable std::vector<double> amounts;
   };
 } // namespace emmy
 

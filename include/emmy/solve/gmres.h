@@ -1,7 +1,7 @@
 #ifndef emmy_solve_gmres_h
 #define emmy_solve_gmres_h
 
-#include <emmy/solve/linear_solver.h>
+#include <emmy/solve/node_product.h>
 #include <emmy/solve/preconditioner.h>
 
 #include <vector>
@@ -24,7 +24,7 @@ namespace emmy
   {
   public:
     /** Borrows both. @param restart how many vectors are kept */
-    Gmres(const Matrix         &matrix,
+    Gmres(const NodeProduct    &matrix,
           const Preconditioner &preconditioner,
           const unsigned int    restart)
       : matrix(matrix)
@@ -71,7 +71,7 @@ namespace emmy
     void
     add_combination(const std::vector<double> &y, Vector &x);
 
-    const Matrix                    &matrix;
+    const NodeProduct               &matrix;
     const Preconditioner            &preconditioner;
     const unsigned int               restart;
     std::vector<std::vector<double>> vectors; ///< of this rank

@@ -3,6 +3,7 @@
 
 #include <emmy/solve/linear_solver.h>
 #include <emmy/system/nodal_matrix.h>
+#include <emmy/system/node_exchange.h>
 
 #include <array>
 #include <utility>
@@ -102,6 +103,7 @@ namespace emmy
     const NodalMatrix<dim> &mass;
     const NodeGraph<dim>   &graph;
     const Conditions        conditions;
+    const NodeExchange      exchange;
     /** One over the diagonal; zero for unknowns that are not free. */
     Values inverse;
   };
