@@ -4,7 +4,7 @@
 
 #include <emmy/base/exceptions.h>
 #include <emmy/base/text.h>
-#include <emmy/solve/empty_pairs.h>
+#include <emmy/solve/direct_solver.h>
 #include <emmy/solve/gmres.h>
 #include <emmy/solve/linear_solver.h>
 #include <emmy/solve/preconditioner.h>
@@ -20,117 +20,6 @@ namespace emmy
 
   namespace
   {
-    /** All ranks learn of a failure on any of them. Collective. */
-    LinearResult
-    agreed(LinearResult result, const MPI_Comm communicator)
-    {
-      result.problem   = agree_on_problem(communicator, result.problem);
-      result.is_solved = result.problem.empty();
-      return result;
-    }
-
-    class DirectSolver : public LinearSolver
-    {
-    public:
-      /** @param n_components unknowns of a node */
-      DirectSolver(const unsigned int n_components,
-                   const EmptyPairs   empty_pairs)
-      {
-        if (empty_pairs == EmptyPairs::left_out)
-          reduced = std::make_unique<WithoutEmptyPairs>(n_components);
-      }
-
-      LinearResult
-      prepare(const Matrix &matrix, const NodePlaces * = nullptr) override
-      {
-        is_scaled = false;
-        return factorise(matrix);
-      }
-
-      /**
-       * LU of the matrix scaled with its diagonal from both sides. Without it
-       * a row of a node that a particle just reaches, whose diagonal is far
-       * below its other entries, would be a pivot, and digits of its
-       * neighbours lost.
-       */
-      LinearResult
-      prepare_mass(const Matrix &matrix) override
-      {
-        is_scaled = true;
-        scale.reinit(matrix.locally_owned_range_indices(),
-                     matrix.get_mpi_communicator());
-        for (const auto i : matrix.locally_owned_range_indices())
-          {
-            const double diagonal = std::abs(matrix.diag_element(i));
-            scale[i] = diagonal > 0. ? 1. / std::sqrt(diagonal) : 1.;
-          }
-        scale.compress(dealii::VectorOperation::insert);
-        scaled.reinit(matrix);
-        scaled.copy_from(matrix);
-        auto &entries =
-          const_cast<Epetra_CrsMatrix &>(scaled.trilinos_matrix());
-        entries.LeftScale(*scale.trilinos_vector()(0));
-        entries.RightScale(*scale.trilinos_vector()(0));
-        return factorise(scaled);
-      }
-
-      LinearResult
-      solve(Vector &x, const Vector &b, const double) override
-      {
-        LinearResult result;
-        try
-          {
-            if (is_scaled)
-              {
-                Vector scaled_b(b);
-                scaled_b.scale(scale);
-                solver->solve(x, scaled_b);
-                x.scale(scale);
-              }
-            else
-              solver->solve(x, b);
-          }
-        catch (const std::exception &)
-          {
-            result.problem = "the matrix is singular: LU could not solve";
-          }
-        if (result.problem.empty() && !std::isfinite(x.l2_norm()))
-          result.problem = "the matrix is singular: LU gave no number";
-        return agreed(result, b.get_mpi_communicator());
-      }
-
-      std::string
-      name() const override
-      {
-        return "direct (KLU)";
-      }
-
-    private:
-      LinearResult
-      factorise(const Matrix &matrix)
-      {
-        LinearResult result;
-        try
-          {
-            solver = std::make_unique<TW::SolverDirect>(control);
-            solver->initialize(reduced ? (*reduced)(matrix) : matrix);
-          }
-        catch (const std::exception &)
-          {
-            result.problem = "the matrix is singular: LU factorisation failed";
-          }
-        return agreed(result, matrix.get_mpi_communicator());
-      }
-
-      dealii::SolverControl control;
-      bool                  is_scaled = false;
-      Matrix                scaled;
-      Vector                scale;
-      /** Makes what is factorised; null: it is the matrix itself. */
-      std::unique_ptr<WithoutEmptyPairs> reduced;
-      std::unique_ptr<TW::SolverDirect>  solver;
-    };
-
     class KrylovSolver : public LinearSolver
     {
     public:
