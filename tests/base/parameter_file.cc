@@ -90,7 +90,6 @@ namespace
     text(content).parse(scene.prm);
   }
 
-
   void
   test_text()
   {
@@ -117,7 +116,6 @@ namespace
             "reads back the same: " + shortest(x));
     check(shortest(std::numeric_limits<double>::infinity()) == "inf", "inf");
   }
-
 
   void
   test_syntax()
@@ -192,7 +190,6 @@ namespace
     check(again.prm == scene.prm, "print_parameters() and back");
   }
 
-
   void
   test_syntax_errors()
   {
@@ -230,7 +227,6 @@ namespace
                       {"cannot read the file <no/such.prm>"});
     check_throws_with([] { ParameterFile("/"); }, {"cannot read the file </>"});
   }
-
 
   void
   test_includes()
@@ -287,7 +283,6 @@ namespace
     fs::remove_all(directory);
   }
 
-
   void
   test_set()
   {
@@ -326,7 +321,6 @@ namespace
                        "--set: unknown section <Tme>",
                        "did you mean <Time>?"});
   }
-
 
   void
   test_unknown_names()
@@ -404,7 +398,6 @@ namespace
                       {"none; remove it, up to its <end>."});
   }
 
-
   void
   test_values()
   {
@@ -473,7 +466,6 @@ namespace
           "semicolons separate as commas do");
   }
 
-
   // Commas or semicolons, whichever is written and wanted.
   void
   test_separators()
@@ -498,7 +490,6 @@ namespace
     check(read("1; 2", Patterns::Anything()) == "1; 2", "texts stay");
   }
 } // namespace
-
 
 int
 main()
