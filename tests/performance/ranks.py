@@ -3,7 +3,8 @@
 doc/scaling.md; speed needs an idle machine, the others do not.
 
   ranks.py speed    EMMY SOURCE_ROOT MPI_LAUNCHER [--ranks 1,2] [--times 5] [--cells 52]...
-      seconds of the steps, phase by phase: medians of runs that alternate
+      seconds of the steps, phase by phase: medians of runs that alternate; and how
+      much faster they could be at most: as many runs of one rank beside one another
   ranks.py memory   EMMY SOURCE_ROOT MPI_LAUNCHER [--ranks 1,2,4] [--cells 52]...
       largest memory of a rank, with and without what a rank without particles has
   ranks.py messages EMMY SOURCE_ROOT MPI_LAUNCHER [--ranks 2,4,8] [--cells 32]...
@@ -13,6 +14,7 @@ doc/scaling.md; speed needs an idle machine, the others do not.
       per direction: seconds of the processor, the least of some runs on one rank
 """
 import argparse
+import concurrent.futures
 import json
 import os
 import resource
@@ -27,13 +29,14 @@ ENVIRONMENT = dict(os.environ, OMP_NUM_THREADS="1", DEAL_II_NUM_THREADS="1",
 ONCE = {"setup", "scene card", "output", "pictures"}
 
 
-def run(arguments, n_ranks, cells, steps, settings=(), environment=None):
-    """timing.json of a run."""
+def run(arguments, n_ranks, cells, steps, settings=(), environment=None, core=None):
+    """timing.json of a run; on a core, if one is named, without the launcher."""
+    folder = "run" if core is None else f"run-{core}"
     grid = ", ".join(str(n) for n in (cells, cells * 3 // 4, cells * 3 // 4))
     command = [os.path.abspath(arguments.emmy), os.path.join(
         os.path.abspath(arguments.root), "prm/benchmarks/cantilever-3d.prm"), "--overwrite"]
     for setting in [f"Grid/Cells={grid}", f"Time/Maximum steps={steps}", "Output/Frames=0",
-                    "Output/Directory=run", f"Time/Factor={arguments.factor}",
+                    f"Output/Directory={folder}", f"Time/Factor={arguments.factor}",
                     f"Method/Shape functions={arguments.functions}",
                     f"Method/Geometry={arguments.geometry}", *settings]:
         command += ["--set", setting]
@@ -42,14 +45,30 @@ def run(arguments, n_ranks, cells, steps, settings=(), environment=None):
         words += ["-x", f"{name}={value}"]
     # one rank is bound to a core too, as each of several
     bind = "core" if n_ranks <= len(os.sched_getaffinity(0)) else "none"
-    command = [arguments.launcher, "--oversubscribe", "--bind-to", bind, "-np",
-               str(n_ranks)] + words + command
+    command = ([arguments.launcher, "--oversubscribe", "--bind-to", bind, "-np", str(n_ranks)] + words
+               if core is None else ["taskset", "-c", str(core)]) + command
     done = subprocess.run(command, cwd=arguments.work, env=ENVIRONMENT, stdin=subprocess.DEVNULL,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     if done.returncode != 0:
         sys.exit(f"FAILED: {' '.join(command)}\n{done.stdout.decode(errors='replace')}")
-    with open(os.path.join(arguments.work, "run", "timing.json")) as file:
+    with open(os.path.join(arguments.work, folder, "timing.json")) as file:
         return json.load(file)
+
+
+def steps_of(timing):
+    """Seconds of whole steps."""
+    return timing["total_seconds"] - sum(p["mean_seconds"] for p in timing["phases"] if p["name"] in ONCE)
+
+
+def at_most(arguments, n, cells, steps):
+    """What n ranks could gain: n runs that know nothing of each other take their cores'
+    common memory and power as ranks would, and longer than one alone."""
+    cores = sorted(os.sched_getaffinity(0))[:n]
+    alone = statistics.mean(steps_of(run(arguments, 1, cells, steps, core=core)) for core in cores)
+    with concurrent.futures.ThreadPoolExecutor(n) as pool:
+        beside = statistics.mean(pool.map(
+            lambda core: steps_of(run(arguments, 1, cells, steps, core=core)), cores))
+    return n * alone / beside
 
 
 def points_of(timing):
@@ -64,9 +83,12 @@ def speed(arguments, cells):
     ranks = arguments.ranks or [1, 2]
     steps = arguments.steps or (2 if cells > 80 else 5)
     found = {n: [] for n in ranks}
+    bounds = []
     for _ in range(arguments.times):
         for n in ranks:
             found[n].append(run(arguments, n, cells, steps))
+        if 1 < ranks[-1] <= len(os.sched_getaffinity(0)):
+            bounds.append(at_most(arguments, ranks[-1], cells, steps))
     first = ranks[0]
     print(f"\n{points_of(found[first][0])} particles, {arguments.functions}, {arguments.geometry}, "
           f"step of {arguments.factor} cells; {steps} steps, median of {arguments.times}: seconds "
@@ -87,8 +109,9 @@ def speed(arguments, cells):
     for name in names:
         line(name, seconds(name))
     line("outside", lambda timing: timing["seconds_outside_phases"])
-    line("whole steps", lambda timing: timing["total_seconds"] - sum(
-        p["mean_seconds"] for p in timing["phases"] if p["name"] in ONCE))
+    line("whole steps", steps_of)
+    if bounds:
+        print(f"{'at most, on this machine':26}" + " " * 10 * len(ranks) + f"{statistics.median(bounds):8.2f}")
     line("whole run", lambda timing: timing["total_seconds"])
     for name in ("newton_iterations", "linear_iterations"):
         print(f"{name.replace('_', ' '):26}" + "".join(f"{found[n][0][name]:>10}" for n in ranks)
