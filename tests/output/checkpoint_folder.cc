@@ -175,8 +175,11 @@ namespace
         check(reads(folder, 10), "another format of " + file.string());
         const ReadCheckpoint found = folder.read_newest(1000);
         check(found.passed_over.size() == 1 &&
-                found.passed_over[0].find("has format 3, and this emmy reads "
-                                          "format 2") != std::string::npos,
+                found.passed_over[0].find(
+                  "has format " + std::to_string(CheckpointFolder::format + 1) +
+                  ", and this emmy reads format " +
+                  std::to_string(CheckpointFolder::format)) !=
+                  std::string::npos,
               "and it is said");
         wait_for_all();
         if (rank() == 0)

@@ -14,18 +14,21 @@ namespace emmy::pair_law
   template <int dim, class Number>
   struct Components
   {
-    std::array<Number, dim> c;
+    std::array<Number, dim> c; ///< one for each direction
 
+    /** Component i. */
     Number &
     operator[](const unsigned int i)
     {
       return c[i];
     }
+    /** Component i. */
     const Number &
     operator[](const unsigned int i) const
     {
       return c[i];
     }
+    /** The scalar product. */
     Number
     dot(const Components &other) const
     {
@@ -43,6 +46,7 @@ namespace emmy::pair_law
         result.c[i] = c[i] + factor * v.c[i];
       return result;
     }
+    /** factor this. */
     Components
     times(const Number &factor) const
     {
@@ -138,7 +142,7 @@ namespace emmy::pair_law
   template <int dim, class Number>
   struct Push
   {
-    Components<dim, Number> force, friction;
+    Components<dim, Number> force, friction; ///< f and T, N
   };
 
   /** The law of two points, by w and the slide before it is laid across n. */
@@ -146,8 +150,9 @@ namespace emmy::pair_law
   class Evaluation
   {
   public:
-    using V = Components<dim, Number>;
+    using V = Components<dim, Number>; ///< a vector
 
+    /** Borrows all; the spring of friction is that of before the step. */
     Evaluation(const PairLaw                &law,
                const dealii::Tensor<1, dim> &before,
                const dealii::Tensor<1, dim> &spring,

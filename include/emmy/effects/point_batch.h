@@ -24,7 +24,7 @@ namespace emmy
     /** Points of one group. */
     struct Part
     {
-      const Group *group;
+      const Group *group;    ///< whose they are
       unsigned int first;    ///< point of the group
       unsigned int n_points; ///< from there
       unsigned int at;       ///< where they stand in the batch
@@ -63,8 +63,8 @@ namespace emmy
       return true;
     }
 
-    const Stencils<dim> &stencils;
-    std::vector<Part>    parts;
+    const Stencils<dim> &stencils;        ///< of all points
+    std::vector<Part>    parts;           ///< the points by groups
     std::size_t          first_point = 0; ///< of all
     unsigned int         n_points    = 0; ///< of the batch
     unsigned int         body        = 0; ///< of all of them

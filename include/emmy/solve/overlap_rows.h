@@ -33,12 +33,13 @@ namespace emmy
     bool
     read(const Matrix &matrix);
 
-    /** Of this rank's unknowns, the first, and one past the last. */
+    /** The first of this rank's unknowns. */
     unsigned int
     begin() const
     {
       return first_own;
     }
+    /** One past the last. */
     unsigned int
     end() const
     {
