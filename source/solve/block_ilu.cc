@@ -257,6 +257,8 @@ namespace emmy
       if (rows->diagonal(i) != 0.)
         scale[i] = 1. / std::sqrt(std::abs(rows->diagonal(i)));
 
+    if (blocks.capacity() <= columns.size())
+      blocks = std::vector<Block>(); // else old and new would stand together
     // one more: something to read behind the last
     blocks.assign(columns.size() + 1, Block{});
     std::vector<unsigned int> place(n_nodes, none);

@@ -162,7 +162,8 @@ def main():
                 launcher_of_compiler = re.findall(r"^CMAKE_CXX_COMPILER_LAUNCHER:\w+=(.+)$", file.read(), re.M)
             for command in [[cmake, "-S", "doc/tutorials", "-B", "build-tutorials", "-Demmy_DIR=" + build,
                              "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON",
-                             *("-DCMAKE_CXX_COMPILER_LAUNCHER=" + name for name in launcher_of_compiler)], [cmake, "--build", "build-tutorials"]]:
+                             *("-DCMAKE_CXX_COMPILER_LAUNCHER=" + name for name in launcher_of_compiler)],
+                            [cmake, "--build", "build-tutorials", "--parallel", "2"]]:
                 status, out, err = run(command, folder, 1400)
                 check(" ".join(command), status == 0, out[-3000:] + err[-3000:])
         if not failures:
