@@ -166,6 +166,15 @@ namespace
                       0.,
                       1e-14 * largest,
                       where + "component by component, with another's pattern");
+
+    // where fewer nodes meet the pattern is another
+    cliques.resize(20);
+    NodeGraph<dim> other;
+    make(other, &graph);
+    Matrix fewer;
+    other.reinit(fewer);
+    test::check(fewer.n_nonzero_elements() < by_unknowns.n_nonzero_elements(),
+                where + "nodes that do not meet have no entries");
   }
 } // namespace
 
