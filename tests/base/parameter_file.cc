@@ -4,7 +4,6 @@
 #include <emmy/base/declared_parameters.h>
 #include <emmy/base/formula.h>
 #include <emmy/base/parameter_file.h>
-#include <emmy/base/text.h>
 
 #include <deal.II/base/parameter_handler.h>
 
@@ -12,7 +11,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <limits>
 #include <stdexcept>
 
 #include "../check.h"
@@ -88,33 +86,6 @@ namespace
   {
     Scene scene;
     text(content).parse(scene.prm);
-  }
-
-  void
-  test_text()
-  {
-    const std::vector<std::string> names = {"Density", "Model", "Names"};
-    check(nearest_name("Densty", names) == "Density", "a missing letter");
-    check(nearest_name("DENSITY", names) == "Density", "case does not count");
-    check(nearest_name("Denisty", names) == "Density", "exchanged letters");
-    check(nearest_name("Mode", names) == "Model", "the nearest wins");
-    check(nearest_name("Viscosity", names).empty(), "nothing is near");
-    check(nearest_name("ab", {"xy"}).empty(), "no letter in common");
-    check(nearest_name("", names).empty() && nearest_name("x", {}).empty(),
-          "nothing to compare");
-    check(nearest_name("Gost stabilization", {"Ghost stabilisation"}) != "",
-          "longer names may differ more");
-
-    check(join({}) == "" && join({"a"}) == "a" &&
-            join({"a", "", "b"}) == "a, , b",
-          "join with commas");
-    check(join({"a", "a"}, "/") == "a/a", "join equal items");
-
-    check(shortest(0.1) == "0.1" && shortest(-5.) == "-5", "shortest decimal");
-    for (const double x : {1. / 3., 1e22, 5e-324, -1.7976931348623157e308})
-      check(std::strtod(shortest(x).c_str(), nullptr) == x,
-            "reads back the same: " + shortest(x));
-    check(shortest(std::numeric_limits<double>::infinity()) == "inf", "inf");
   }
 
   void
@@ -494,7 +465,6 @@ namespace
 int
 main()
 {
-  test_text();
   test_syntax();
   test_syntax_errors();
   test_includes();

@@ -79,8 +79,8 @@ namespace emmy
    * b_2 @f$, and the arms are a + b. It is returned in the middle of the step
    * as in contact(), with n along x_m and N = |f|.
    *
-   * The derivative of the law, in w and Delta, is that of a number that knows it
-   * (Sacado); w and Delta, the arms a and b by the motions of both particles
+   * The derivative of the law, in w and Delta, is that of a number that knows
+   * it (Sacado); w and Delta, the arms a and b by the motions of both particles
    * are written out.
    *
    * Pure. Cost: some roots where points are apart; where they touch, some
