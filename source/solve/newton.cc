@@ -32,6 +32,13 @@ namespace emmy
     constexpr double largest_size = 0.3;
 
     /**
+     * The plain try is given up when this many increments have made |r| ten
+     * times as large. A nearly free rotation throws it back again and again;
+     * the damped try then needs few iterations.
+     */
+    constexpr unsigned int most_leaps = 6;
+
+    /**
      * The least damping, of both tries. A node that few particles reach can
      * have directions that neither inertia nor stress resists beyond
      * round-off; this keeps increments there finite.
@@ -140,11 +147,17 @@ namespace emmy
     {
       if (result.iterations < newton.maximum_iterations)
         return true;
-      result.problem =
-        "not converged in " + std::to_string(newton.maximum_iterations) +
-        " iterations; |r| went from " + brief(result.residual_history.front()) +
-        " to " + brief(norm) + " N";
+      give_up("");
       return false;
+    }
+
+    void
+    give_up(const std::string &why)
+    {
+      result.problem = "not converged in " + std::to_string(result.iterations) +
+                       " iterations; |r| went from " +
+                       brief(result.residual_history.front()) + " to " +
+                       brief(norm) + " N" + why;
     }
 
     /**
@@ -251,6 +264,7 @@ namespace emmy
     {
       const double norm_before = norm;
       norm                     = equation.system().residual.l2_norm();
+      n_leaps += norm > 10. * norm_before;
       result.residual_history.push_back(norm);
       newton.phases.tell("Newton iteration " +
                          std::to_string(result.iterations) +
@@ -312,6 +326,7 @@ namespace emmy
     NewtonResult       result;
     bool               has_jacobian = false; ///< of the solution
     double             norm         = 0.;    ///< |r|
+    unsigned int       n_leaps      = 0;     ///< how often it rose tenfold
     double             reference    = 0.;    ///< for sum |r||du|
   };
 
@@ -396,6 +411,8 @@ namespace emmy
             iteration.result.is_converged = true;
             return;
           }
+        if (iteration.n_leaps == most_leaps)
+          return iteration.give_up(", with leaps up");
         if (!iteration.has_jacobian)
           iteration.evaluate();
       }
