@@ -2,6 +2,9 @@
 
 #include <emmy/base/exceptions.h>
 #include <emmy/solve/direct_solver.h>
+#include <emmy/solve/gmres.h>
+
+#include <Epetra_CrsMatrix.h>
 
 #include <cmath>
 
@@ -17,8 +20,31 @@ namespace emmy
     return result;
   }
 
+  /** The inverse that LU gave, as a preconditioner of GMRES. */
+  class DirectSolver::Factors : public Preconditioner
+  {
+  public:
+    explicit Factors(TW::SolverDirect &solver)
+      : solver(solver)
+    {}
+
+    void
+    make(const Matrix &, const NodePlaces *) override
+    {}
+
+    void
+    vmult(Vector &z, const Vector &r) const override
+    {
+      solver.solve(z, r);
+    }
+
+  private:
+    TW::SolverDirect &solver;
+  };
+
   DirectSolver::DirectSolver(const unsigned int n_components,
                              const EmptyPairs   empty_pairs)
+    : product(n_components)
   {
     if (empty_pairs == EmptyPairs::left_out)
       reduced = std::make_unique<WithoutEmptyPairs>(n_components);
@@ -26,17 +52,36 @@ namespace emmy
 
   DirectSolver::~DirectSolver() = default;
 
-  LinearResult
-  DirectSolver::prepare(const Matrix &matrix, const NodePlaces *)
+  void
+  DirectSolver::begin_sequence()
   {
-    is_scaled = false;
-    return factorise(matrix);
+    serves = false;
+  }
+
+  LinearResult
+  DirectSolver::prepare(const Matrix &new_matrix, const NodePlaces *places)
+  {
+    matrix                       = &new_matrix;
+    const Epetra_CrsGraph &graph = matrix->trilinos_matrix().Graph();
+    is_kept = serves && places && graph.DataPtr() == pattern->DataPtr();
+    if (is_kept)
+      {
+        product.set(*matrix);
+        return LinearResult();
+      }
+    is_scaled                 = false;
+    const LinearResult result = factorise(*matrix);
+    serves                    = result.is_solved && places;
+    // a copy shares what it has: no other pattern can have its place
+    pattern = serves ? std::make_unique<Epetra_CrsGraph>(graph) : nullptr;
+    return result;
   }
 
   LinearResult
   DirectSolver::prepare_mass(const Matrix &matrix)
   {
     is_scaled = true;
+    is_kept = serves = false;
     scale.reinit(matrix.locally_owned_range_indices(),
                  matrix.get_mpi_communicator());
     for (const auto i : matrix.locally_owned_range_indices())
@@ -54,7 +99,45 @@ namespace emmy
   }
 
   LinearResult
-  DirectSolver::solve(Vector &x, const Vector &b, const double)
+  DirectSolver::solve(Vector &x, const Vector &b, const double tolerance)
+  {
+    if (!is_kept)
+      return solve_with_factors(x, b);
+    LinearResult result = solve_with_kept_factors(x, b, tolerance);
+    if (result.is_solved)
+      return result;
+    is_kept = serves = false;
+    result           = factorise(*matrix);
+    return result.is_solved ? solve_with_factors(x, b) : result;
+  }
+
+  LinearResult
+  DirectSolver::solve_with_kept_factors(Vector       &x,
+                                        const Vector &b,
+                                        const double  tolerance)
+  {
+    constexpr unsigned int most      = 8;
+    constexpr double       round_off = 1e-12;
+
+    LinearResult result;
+    const double goal = std::min(tolerance, round_off) * b.l2_norm();
+    try
+      {
+        const Factors factors(*solver);
+        Gmres         gmres(product, factors, most);
+        result.is_solved = gmres.solve(x, b, goal, most);
+      }
+    catch (const std::exception &)
+      {
+        result.is_solved = false;
+      }
+    if (!result.is_solved)
+      result.problem = "the factors of another matrix do not serve";
+    return agreed(result, b.get_mpi_communicator());
+  }
+
+  LinearResult
+  DirectSolver::solve_with_factors(Vector &x, const Vector &b)
   {
     LinearResult result;
     try
@@ -85,18 +168,18 @@ namespace emmy
   }
 
   LinearResult
-  DirectSolver::factorise(const Matrix &matrix)
+  DirectSolver::factorise(const Matrix &to_factorise)
   {
     LinearResult result;
     try
       {
         solver = std::make_unique<TW::SolverDirect>(control);
-        solver->initialize(reduced ? (*reduced)(matrix) : matrix);
+        solver->initialize(reduced ? (*reduced)(to_factorise) : to_factorise);
       }
     catch (const std::exception &)
       {
         result.problem = "the matrix is singular: LU factorisation failed";
       }
-    return agreed(result, matrix.get_mpi_communicator());
+    return agreed(result, to_factorise.get_mpi_communicator());
   }
 } // namespace emmy
