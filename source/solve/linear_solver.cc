@@ -335,7 +335,7 @@ namespace emmy
       state->first_size = n_dofs;
     const std::uint64_t size     = state ? state->first_size : n_dofs;
     const std::string  &method   = parameters.linear_solver;
-    const bool          is_small = size <= (n_components == 2 ? 60000 : 1000);
+    const bool          is_small = size <= 300;
     if (method == "direct" || (method == "automatic" && is_small))
       return std::make_unique<DirectSolver>(n_components, empty_pairs);
     if (method == "automatic")

@@ -36,7 +36,11 @@ namespace emmy
      * times as large. A nearly free rotation throws it back again and again;
      * the damped try then needs few iterations.
      */
-    constexpr unsigned int most_leaps = 6;
+    constexpr unsigned int most_leaps = 12;
+
+    /** The damped try is given up when as many increments have not halved what
+     * it measures: what is left is a free rotation's, which matters. */
+    constexpr unsigned int most_in_vain = 15;
 
     /**
      * The least damping, of both tries. A node that few particles reach can
@@ -426,7 +430,9 @@ namespace emmy
     NonlinearEquation &equation = iteration.equation;
     const Vector       diagonal =
       diagonal_of(equation.system().jacobian, iteration.solution);
-    double measure = scaled_norm(equation.system().residual, diagonal);
+    double       measure = scaled_norm(equation.system().residual, diagonal);
+    double       halved_last = measure;
+    unsigned int n_in_vain   = 0;
     for (double mu = first_damping; iteration.may_go_on();)
       {
         if (!iteration.find_increment(mu))
@@ -451,6 +457,10 @@ namespace emmy
             iteration.result.is_converged = iteration.result.leaves_rest = true;
             return;
           }
+        n_in_vain   = measure > 0.5 * halved_last ? n_in_vain + 1 : 0;
+        halved_last = n_in_vain > 0 ? halved_last : measure;
+        if (n_in_vain == most_in_vain)
+          return iteration.give_up(", where it stays");
         mu = is_better ? std::max(least_damping, 0.1 * mu)
                        : std::min(1., 100. * mu);
       }

@@ -44,7 +44,7 @@ namespace emmy
    * of the forces and its work below 1e-8 of theirs. An increment whose
    * size() is above 0.3 is found again with a more strongly damped matrix; one
    * that leaves the equation without meaning is halved, at most six times. The
-   * try ends when six increments have made |r| ten times as large.
+   * try ends when twelve increments have made |r| ten times as large.
    *
    * If it fails, the matrix is most often singular: a particle alone among new
    * nodes has no stress, and then nothing resists its rotation but a torque
