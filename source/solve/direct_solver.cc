@@ -69,8 +69,11 @@ namespace emmy
         product.set(*matrix);
         return LinearResult();
       }
-    is_scaled                 = false;
-    const LinearResult result = factorise(*matrix);
+    is_scaled = false;
+    // Trilinos looks at the matrix in each solve, and others come before them
+    copy.reinit(*matrix);
+    copy.copy_from(*matrix);
+    const LinearResult result = factorise(copy);
     serves                    = result.is_solved && places;
     // a copy shares what it has: no other pattern can have its place
     pattern = serves ? std::make_unique<Epetra_CrsGraph>(graph) : nullptr;
@@ -90,12 +93,12 @@ namespace emmy
         scale[i]              = diagonal > 0. ? 1. / std::sqrt(diagonal) : 1.;
       }
     scale.compress(dealii::VectorOperation::insert);
-    scaled.reinit(matrix);
-    scaled.copy_from(matrix);
-    auto &entries = const_cast<Epetra_CrsMatrix &>(scaled.trilinos_matrix());
+    copy.reinit(matrix);
+    copy.copy_from(matrix);
+    auto &entries = const_cast<Epetra_CrsMatrix &>(copy.trilinos_matrix());
     entries.LeftScale(*scale.trilinos_vector()(0));
     entries.RightScale(*scale.trilinos_vector()(0));
-    return factorise(scaled);
+    return factorise(copy);
   }
 
   LinearResult
@@ -107,7 +110,8 @@ namespace emmy
     if (result.is_solved)
       return result;
     is_kept = serves = false;
-    result           = factorise(*matrix);
+    copy.copy_from(*matrix);
+    result = factorise(copy);
     return result.is_solved ? solve_with_factors(x, b) : result;
   }
 

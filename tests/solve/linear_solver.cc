@@ -156,7 +156,7 @@ namespace
           }
       }
     const auto small =
-      make_linear_solver(SolverParameters(), 900, n_components);
+      make_linear_solver(SolverParameters(), 300, n_components);
     check(small->name() == "direct (KLU)", "small systems: direct");
   }
 
@@ -324,7 +324,7 @@ namespace
     Matrix            matrix = make_matrix(row_with(0.));
     WithoutEmptyPairs without(n_components);
     const auto        solver = make_linear_solver(
-      SolverParameters(), 900, n_components, nullptr, EmptyPairs::left_out);
+      SolverParameters(), 300, n_components, nullptr, EmptyPairs::left_out);
     const Vector b = make_vector(matrix, wave);
     Vector       x(b), kept(b), all(b);
     for (const double weight : {0., 0.2, 0., 0.3})

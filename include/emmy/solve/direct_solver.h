@@ -68,7 +68,7 @@ namespace emmy
 
     dealii::SolverControl control;
     bool                  is_scaled = false;
-    Matrix                scaled;
+    Matrix                copy; ///< of what is factorised
     Vector                scale;
     /** Makes what is factorised; null: it is the matrix itself. */
     std::unique_ptr<WithoutEmptyPairs>                      reduced;
