@@ -211,9 +211,9 @@ namespace
                   upper.particle[1] = height + row;
                   lower.particle[0] = along;
                   lower.particle[1] = -below;
-                  force += pair_action(
-                             law, upper, lower, dealii::Tensor<1, 2>(), false)
-                             .force;
+                  force +=
+                    pair_action(law, upper, lower, dealii::Tensor<1, 2>())
+                      .force;
                 }
           largest = std::max(largest, std::abs(force[0]) / force[1]);
         }
