@@ -48,7 +48,7 @@ count 'tools' 'effects/tool|<tools>|"tools"|tool_work' \
   'tools|tool_advice|tool_contact|tool_mesh|tool_motion|tool_parameters|tool_path|tool_push|tool_records|tool_shapes|tool_sides|tool_surface' 3
 # the library
 count 'contact' 'effects/(body_)?contact|BodyContact|contact_overlap' \
-  'body_contact|contact_exchange|contact_forces|contact_nodes|contact_pair|contact_parameters|contact_search|pair_law' 1
+  'body_contact|contact_across|contact_exchange|contact_forces|contact_nodes|contact_pair|contact_parameters|contact_search|pair_law' 1
 count 'manufactured solution' 'manufactured' \
   'manufactured_solution|exact_motion' 1
 

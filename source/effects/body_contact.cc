@@ -23,9 +23,9 @@ namespace emmy
     , fields(fields)
     , corners_of_body(std::move(corners))
     , points_of_body(contact_points(rules))
-    , least_margin(rules.largest_reach() / rules.radius *
+    , least_margin(0.25 * rules.largest_reach() / rules.radius *
                    rules.points_per_direction)
-    , margin(least_margin)
+    , margin(4. * least_margin) // it is not known yet how bodies move
   {
     found.force.resize(this->group_names.size());
   }
@@ -176,6 +176,10 @@ namespace emmy
     for (const ParticlePair &pair : candidates.pairs)
       laws.push_back(rules.law(candidates.particles[pair.first].body,
                                candidates.particles[pair.second].body));
+    places.clear();
+    for (const ContactParticle<dim> &particle : candidates.particles)
+      for (const Tensor<1, dim> &xi : points_of_body[particle.body])
+        places.push_back(particle.place + particle.F * xi);
     is_coupled.assign(candidates.pairs.size(), false);
     exchange.begin(candidates, communicator);
     if (has_friction())

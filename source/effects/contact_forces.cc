@@ -31,15 +31,40 @@ namespace emmy
   }
 
   template <int dim>
-  PairPoint<dim>
-  BodyContact<dim>::point(const State &state, const unsigned int index) const
+  CornerMotion<dim>
+  BodyContact<dim>::motion_of(const unsigned int         candidate,
+                              const StepData<dim>       &step,
+                              const std::vector<double> &u) const
   {
-    const CornerMotion<dim> &motion = state.motion;
+    const Where        &it    = where[candidate];
+    const Group        &group = step.stencils.groups[it.group];
+    const unsigned int *nodes = step.start.active->nodes(group);
+    const double       *W     = it.weights.data();
+    CornerMotion<dim>   result{};
+    for (unsigned int a = 0; a < group.n_nodes; ++a, W += dim + 1)
+      for (unsigned int c = 0; c < dim; ++c)
+        {
+          const double u_a = u[unknown<dim>(nodes[a], c)];
+          result.way[c] += W[0] * u_a;
+          for (unsigned int d = 0; d < dim; ++d)
+            result.gradient[c][d] += u_a * W[1 + d];
+        }
+    return result;
+  }
+
+  template <int dim>
+  PairPoint<dim>
+  BodyContact<dim>::point(const States      &states,
+                          const unsigned int candidate,
+                          const unsigned int index) const
+  {
+    const CornerMotion<dim> &motion = states.motions[candidate];
     PairPoint<dim>           result;
-    result.particle  = motion.place;
-    result.way       = motion.way;
-    result.gradient  = motion.gradient;
-    result.arm_old   = state.places[index] - motion.place;
+    result.particle = motion.place;
+    result.way      = motion.way;
+    result.gradient = motion.gradient;
+    result.arm_old =
+      places[candidate * rules.n_points() + index] - motion.place;
     result.at_middle = motion.Z.norm_square() > 0.;
     result.Z         = motion.Z;
     result.arm = result.at_middle ? motion.Z * result.arm_old : result.arm_old;
@@ -48,75 +73,72 @@ namespace emmy
 
   template <int dim>
   void
-  BodyContact<dim>::follow_deformation(const StepData<dim> &step,
-                                       const Iterate<dim>  &iterate) const
+  BodyContact<dim>::follow(const Stencils<dim>       &stencils,
+                           const PointArrays<dim>    &points,
+                           const ActiveGrid<dim>     &active,
+                           const std::vector<double> &displacement,
+                           PointArrays<dim>          &trial) const
   {
     const unsigned int first = fields.deformation_gradient;
-    for (const Group &group : step.stencils.groups)
+    for (const Group &group : stencils.groups)
       for (unsigned int q = 0; q < group.n_points; ++q)
         {
           const std::size_t p = group.first_point + q;
           CornerMotion<dim> motion;
-          motion.gradient =
-            step.stencils.displacement_gradient(group,
-                                                q,
-                                                step.start.active->nodes(group),
-                                                iterate.local_displacement);
-          motion.F_old = tensor_field(step.points, first, p);
-          motion.find_arms(step.stencils.at_middle);
+          motion.gradient = stencils.displacement_gradient(group,
+                                                           q,
+                                                           active.nodes(group),
+                                                           displacement);
+          motion.F_old    = tensor_field(points, first, p);
+          motion.find_arms(stencils.at_middle);
           const Tensor<2, dim> F = motion.F_new();
           for (unsigned int i = 0; i < dim * dim; ++i)
-            iterate.trial.component(first + i)[p] = F[i / dim][i % dim];
+            trial.component(first + i)[p] = F[i / dim][i % dim];
         }
   }
 
   template <int dim>
-  std::vector<typename BodyContact<dim>::State>
+  typename BodyContact<dim>::States
   BodyContact<dim>::states(const StepData<dim>       &step,
                            const std::vector<double> &u) const
   {
-    std::vector<State>               result(candidates.particles.size());
-    std::vector<std::vector<double>> numbers(result.size());
+    const std::size_t n = candidates.particles.size();
+    States            result;
+    result.motions.resize(n);
     for (const unsigned int i : in_order)
+      result.motions[i] = motion_of(i, step, u);
+    if (exchange.is_needed())
       {
-        CornerMotion<dim> &motion = result[i].motion;
-        motion                    = particle(step,
-                          step.stencils.groups[where[i].group],
-                          where[i].point,
-                          u);
-        if (!exchange.is_needed())
-          continue;
-        numbers[i].assign(motion.way.begin_raw(), motion.way.end_raw());
-        for (unsigned int d = 0; d < dim; ++d)
-          numbers[i].insert(numbers[i].end(),
-                            motion.gradient[d].begin_raw(),
-                            motion.gradient[d].end_raw());
+        std::vector<std::vector<double>> numbers(n);
+        for (const unsigned int i : in_order)
+          {
+            const CornerMotion<dim> &motion = result.motions[i];
+            numbers[i].assign(motion.way.begin_raw(), motion.way.end_raw());
+            for (unsigned int d = 0; d < dim; ++d)
+              numbers[i].insert(numbers[i].end(),
+                                motion.gradient[d].begin_raw(),
+                                motion.gradient[d].end_raw());
+          }
+        exchange(numbers);
+        for (unsigned int i = 0; i < n; ++i)
+          for (unsigned int d = 0; d < dim && !is_mine(i); ++d)
+            {
+              result.motions[i].way[d] = numbers[i][d];
+              for (unsigned int e = 0; e < dim; ++e)
+                result.motions[i].gradient[d][e] =
+                  numbers[i][dim + dim * d + e];
+            }
       }
-    exchange(numbers);
-    for (unsigned int i = 0; i < result.size(); ++i)
+    result.ways.reserve(places.size());
+    for (unsigned int i = 0; i < n; ++i)
       {
         const ContactParticle<dim> &particle = candidates.particles[i];
-        CornerMotion<dim>          &motion   = result[i].motion;
-        if (!is_mine(i))
-          {
-            motion.place = particle.place;
-            motion.F_old = particle.F;
-            for (unsigned int d = 0; d < dim; ++d)
-              {
-                motion.way[d] = numbers[i][d];
-                for (unsigned int e = 0; e < dim; ++e)
-                  motion.gradient[d][e] = numbers[i][dim + dim * d + e];
-              }
-            motion.find_arms(step.stencils.at_middle);
-          }
-        result[i].places.reserve(rules.n_points());
-        result[i].ways.reserve(rules.n_points());
-        for (unsigned int k = 0; k < rules.n_points(); ++k)
-          {
-            const Tensor<1, dim> &xi = points_of_body[particle.body][k];
-            result[i].places.push_back(motion.place + motion.F_old * xi);
-            result[i].ways.push_back(motion.way_of(motion.F * xi));
-          }
+        CornerMotion<dim>          &motion   = result.motions[i];
+        motion.place                         = particle.place;
+        motion.F_old                         = particle.F;
+        motion.find_arms(step.stencils.at_middle);
+        for (const Tensor<1, dim> &xi : points_of_body[particle.body])
+          result.ways.push_back(motion.way_of(motion.F * xi));
       }
     return result;
   }
@@ -151,46 +173,74 @@ namespace emmy
   template <int dim>
   template <class Visit>
   void
-  BodyContact<dim>::for_each_action(const std::vector<State> &states,
-                                    const bool                with_derivative,
-                                    const Visit              &visit) const
+  BodyContact<dim>::for_each_action(const States       &states,
+                                    PairMatrices *const derivatives,
+                                    const Visit        &visit) const
   {
+    const unsigned int n = rules.n_points();
     for (unsigned int k = 0; k < candidates.pairs.size(); ++k)
       {
-        const ParticlePair &pair = candidates.pairs[k];
-        const auto         &one  = candidates.particles[pair.first],
-                   &two          = candidates.particles[pair.second];
-        const PairLaw &law       = laws[k];
-        const double   reach     = law.reach * law.reach;
+        const auto &[first, second, points] = candidates.pairs[k];
+        const PairLaw &law                  = laws[k];
+        const double   reach                = law.reach * law.reach;
         // springs are held where points touched, but for round-off
-        const double held   = (1. + 1e-6) * reach;
-        const State &of_one = states[pair.first], &of_two = states[pair.second];
-        for (const auto &[i, j] : pair.points)
+        const double held = (1. + 1e-6) * reach;
+        for (const auto &[i, j] : points)
           {
-            const Tensor<1, dim> before = of_one.places[i] - of_two.places[j];
+            const Tensor<1, dim> before =
+              places[n * first + i] - places[n * second + j];
             const Tensor<1, dim> after =
-              before + of_one.ways[i] - of_two.ways[j];
-            if (before.norm_square() >= held && after.norm_square() >= reach)
+              before + states.ways[n * first + i] - states.ways[n * second + j];
+            const double square = before.norm_square();
+            const bool   is_apart =
+              square >= reach && after.norm_square() >= reach;
+            if (is_apart && (square >= held || springs_held.empty()))
               continue;
-            const PairKey  key{{one.id, two.id, i, j}};
+            const PairKey  key{{candidates.particles[first].id,
+                                candidates.particles[second].id,
+                                i,
+                                j}};
             Tensor<1, dim> spring;
             if (!springs_held.empty())
               if (const auto found = springs_held.find(key);
                   found != springs_held.end())
                 spring = found->second;
-            if (before.norm_square() >= reach && after.norm_square() >= reach &&
-                spring.norm_square() == 0.)
+            if (is_apart && spring.norm_square() == 0.)
               continue;
+            PairDerivative<dim> *derivative = nullptr;
+            if (derivatives)
+              {
+                unsigned int &number = derivatives->of_pair[k];
+                if (number == none)
+                  {
+                    number = derivatives->matrices.size();
+                    derivatives->matrices.emplace_back();
+                  }
+                derivative = &derivatives->matrices[number];
+              }
             visit(k,
                   key,
                   pair_action(law,
-                              point(of_one, i),
-                              point(of_two, j),
+                              point(states, first, i),
+                              point(states, second, j),
                               spring,
-                              with_derivative));
+                              derivative));
           }
       }
   }
+
+  namespace
+  {
+    /** sum += matrix. */
+    template <class Block>
+    void
+    add_block(const Block &matrix, Block &sum)
+    {
+      for (unsigned int i = 0; i < sum.size(); ++i)
+        for (unsigned int j = 0; j < sum.size(); ++j)
+          sum[i][j] += matrix[i][j];
+    }
+  } // namespace
 
   template <int dim>
   std::string
@@ -199,46 +249,42 @@ namespace emmy
                         Vector              &force,
                         Matrix              *jacobian) const
   {
-    const std::vector<double> &u = iterate.local_displacement;
-    follow_deformation(step, iterate);
-    const auto                    now = states(step, u);
-    std::vector<char>             acts(now.size(), false);
-    std::vector<PointMotion<dim>> forces_on(now.size());
-    std::vector<ByMotion>         by_own(jacobian ? now.size() : 0);
-    std::vector<Across> across(jacobian ? candidates.pairs.size() : 0);
+    const std::vector<double>    &u            = iterate.local_displacement;
+    const States                  now          = states(step, u);
+    const std::size_t             n_candidates = now.motions.size();
+    std::vector<char>             acts(n_candidates, false);
+    std::vector<PointMotion<dim>> forces_on(n_candidates);
+    PairMatrices                  derivatives;
+    if (jacobian)
+      derivatives.of_pair.assign(candidates.pairs.size(), none);
     for_each_action(now,
-                    jacobian,
+                    jacobian ? &derivatives : nullptr,
                     [&](const unsigned int k,
                         const PairKey &,
                         const PairAction<dim> &action) {
                       if (!action.acts)
                         return;
-                      const auto &[first, second, points] = candidates.pairs[k];
-                      (void)points;
-                      acts[first] = acts[second] = true;
-                      is_coupled[k]              = true;
-                      if (jacobian)
-                        across[k].acts = true;
+                      const ParticlePair &pair = candidates.pairs[k];
+                      acts[pair.first] = acts[pair.second] = true;
+                      is_coupled[k]                        = true;
                       for (unsigned int i = 0; i < n_motion; ++i)
                         {
-                          forces_on[first][i] += action.value[i];
-                          forces_on[second][i] += action.value[n_motion + i];
-                          for (unsigned int j = 0; jacobian && j < n_motion;
-                               ++j)
-                            {
-                              by_own[first][i][j] += action.derivative[i][j];
-                              by_own[second][i][j] +=
-                                action.derivative[n_motion + i][n_motion + j];
-                              across[k].first_by_second[i][j] +=
-                                action.derivative[i][n_motion + j];
-                              across[k].second_by_first[i][j] +=
-                                action.derivative[n_motion + i][j];
-                            }
+                          forces_on[pair.first][i] += action.value[i];
+                          forces_on[pair.second][i] +=
+                            action.value[n_motion + i];
                         }
                     });
+    std::vector<ByMotion> by_own(jacobian ? n_candidates : 0);
+    for (unsigned int k = 0; k < derivatives.of_pair.size(); ++k)
+      if (const unsigned int number = derivatives.of_pair[k]; number != none)
+        {
+          const auto &of = derivatives.matrices[number].of;
+          add_block(of[0][0], by_own[candidates.pairs[k].first]);
+          add_block(of[1][1], by_own[candidates.pairs[k].second]);
+        }
 
     std::vector<FollowedMotion<dim>> followed(
-      jacobian && step.moving ? now.size() : 0);
+      jacobian && step.moving ? n_candidates : 0);
     CornerForces<dim> forces(step, u, jacobian);
     for (unsigned int n = 0; n < in_order.size(); ++n)
       {
@@ -258,130 +304,9 @@ namespace emmy
     if (jacobian && step.moving)
       exchange_followed(acts, followed);
     if (jacobian)
-      add_across(step, followed, across, *jacobian);
+      add_across(step, followed, derivatives, *jacobian);
     forces.finish(force); // collective
     return "";
-  }
-
-  namespace
-  {
-    /** Subtract W_row E W_column, E by motion. */
-    template <int dim>
-    void
-    subtract_products(const std::vector<double>                          &rows,
-                      const std::array<PointMotion<dim>, dim *(dim + 1)> &E,
-                      const std::vector<double>  &columns,
-                      const unsigned int          first_row,
-                      const unsigned int          first_column,
-                      dealii::FullMatrix<double> &matrix)
-    {
-      constexpr unsigned int n = dim + 1;
-      for (unsigned int a = 0; a < rows.size() / n; ++a)
-        for (unsigned int i = 0; i < dim; ++i)
-          {
-            PointMotion<dim> row{};
-            for (unsigned int l = 0; l < n; ++l)
-              for (unsigned int c = 0; c < dim * n; ++c)
-                row[c] += rows[n * a + l] * E[n * i + l][c];
-            for (unsigned int b = 0; b < columns.size() / n; ++b)
-              for (unsigned int j = 0; j < dim; ++j)
-                for (unsigned int m = 0; m < n; ++m)
-                  matrix(dim * (first_row + a) + i,
-                         dim * (first_column + b) + j) -=
-                    row[n * j + m] * columns[n * b + m];
-          }
-    }
-
-    /** Subtract W E c at some nodes. */
-    template <int dim>
-    void
-    subtract_share(const std::vector<double>                          &weights,
-                   const std::array<PointMotion<dim>, dim *(dim + 1)> &E,
-                   const PointMotion<dim>                             &c,
-                   const unsigned int                                 *nodes,
-                   std::vector<double>                                &share)
-    {
-      constexpr unsigned int n = dim + 1;
-      for (unsigned int i = 0; i < dim; ++i)
-        for (unsigned int l = 0; l < n; ++l)
-          {
-            double sum = 0.;
-            for (unsigned int m = 0; m < dim * n; ++m)
-              sum += E[n * i + l][m] * c[m];
-            for (unsigned int a = 0; a < weights.size() / n; ++a)
-              share[unknown<dim>(nodes[a], i)] -= weights[n * a + l] * sum;
-          }
-    }
-
-    template <int dim>
-    std::array<PointMotion<dim>, dim *(dim + 1)>
-    times(const std::array<PointMotion<dim>, dim *(dim + 1)> &A,
-          const std::array<PointMotion<dim>, dim *(dim + 1)> &B)
-    {
-      std::array<PointMotion<dim>, dim *(dim + 1)> result{};
-      for (unsigned int i = 0; i < A.size(); ++i)
-        for (unsigned int k = 0; k < A.size(); ++k)
-          for (unsigned int j = 0; j < A.size(); ++j)
-            result[i][j] += A[i][k] * B[k][j];
-      return result;
-    }
-  } // namespace
-
-  template <int dim>
-  void
-  BodyContact<dim>::add_across(const StepData<dim>                    &step,
-                               const std::vector<FollowedMotion<dim>> &followed,
-                               const std::vector<Across>              &across,
-                               Matrix &jacobian) const
-  {
-    const ActiveGrid<dim> &active = *step.start.active;
-    std::vector<double> share(step.moving ? dim * active.n_local_nodes() : 0);
-    dealii::FullMatrix<double> matrix;
-    for (const Clique &clique : cliques)
-      {
-        const unsigned int *nodes    = active.coupled_nodes(clique.coupled);
-        const ParticlePair &any      = candidates.pairs[clique.pairs.front()];
-        const unsigned int  n_first  = where[any.first].n_nodes();
-        bool                is_empty = true;
-        for (const unsigned int k : clique.pairs)
-          {
-            if (!across[k].acts)
-              continue;
-            if (is_empty)
-              matrix.reinit(dim * (n_first + where[any.second].n_nodes()),
-                            dim * (n_first + where[any.second].n_nodes()));
-            is_empty                 = false;
-            const ParticlePair &pair = candidates.pairs[k];
-            for (const bool of_first : {true, false})
-              {
-                // rows of one particle, columns of the other
-                const unsigned int i = of_first ? pair.first : pair.second,
-                                   j = of_first ? pair.second : pair.first;
-                if (!is_mine(i))
-                  continue;
-                const ByMotion &E = of_first ? across[k].first_by_second
-                                             : across[k].second_by_first;
-                subtract_products<dim>(where[i].weights,
-                                       step.moving
-                                         ? times<dim>(E, followed[j].by_nodes)
-                                         : E,
-                                       where[j].weights,
-                                       of_first ? 0 : n_first,
-                                       of_first ? n_first : 0,
-                                       matrix);
-                if (step.moving)
-                  subtract_share<dim>(where[i].weights,
-                                      E,
-                                      followed[j].shift,
-                                      nodes + (of_first ? 0 : n_first),
-                                      share);
-              }
-          }
-        if (!is_empty)
-          active.graph().add(nodes, matrix, jacobian);
-      }
-    if (step.moving)
-      step.moving->add_to_share(share);
   }
 
   template <int dim>
@@ -445,10 +370,10 @@ namespace emmy
     found.springs.clear();
     for (Tensor<1, dim> &force : found.force)
       force = Tensor<1, dim>();
-    const auto now = states(step, step.start.active->to_local(displacement));
+    const States now = states(step, step.start.active->to_local(displacement));
     for_each_action(
       now,
-      false,
+      nullptr,
       [&](const unsigned int     k,
           const PairKey         &key,
           const PairAction<dim> &action) {
@@ -473,6 +398,12 @@ namespace emmy
     return entries;
   }
 
+  template void
+  BodyContact<2>::follow(const Stencils<2> &,
+                         const PointArrays<2> &,
+                         const ActiveGrid<2> &,
+                         const std::vector<double> &,
+                         PointArrays<2> &) const;
   template std::string
   BodyContact<2>::missing(const StepData<2> &, const Vector &);
   template std::string
@@ -484,6 +415,12 @@ namespace emmy
   BodyContact<2>::energies(const StepData<2> &,
                            const Vector &,
                            const PointArrays<2> &) const;
+  template void
+  BodyContact<3>::follow(const Stencils<3> &,
+                         const PointArrays<3> &,
+                         const ActiveGrid<3> &,
+                         const std::vector<double> &,
+                         PointArrays<3> &) const;
   template std::string
   BodyContact<3>::missing(const StepData<3> &, const Vector &);
   template std::string

@@ -16,22 +16,27 @@ namespace emmy
 
   namespace
   {
-    /** W of a point, [(dim + 1) a + l]. */
+    /** W of a point into [(dim + 1) a + l]; its place, as its nodes say. */
     template <int dim>
-    std::vector<double>
-    weights_of(const Stencils<dim>                 &stencils,
-               const typename Stencils<dim>::Group &group,
-               const unsigned int                   q)
+    dealii::Point<dim>
+    set_weights(const Stencils<dim>                 &stencils,
+                const typename Stencils<dim>::Group &group,
+                const unsigned int                   q,
+                const BackgroundGrid<dim>           &grid,
+                std::vector<double>                 &weights)
     {
-      std::vector<double> result;
-      result.reserve((dim + 1) * group.n_nodes);
+      weights.resize((dim + 1) * group.n_nodes);
+      const auto        *id = &stencils.node_ids[group.first_node];
+      dealii::Point<dim> place;
       for (unsigned int a = 0; a < group.n_nodes; ++a)
         {
-          result.push_back(stencils.value(group, a)[q]);
+          double *W = &weights[(dim + 1) * a];
+          W[0]      = stencils.value(group, a)[q];
           for (unsigned int d = 0; d < dim; ++d)
-            result.push_back(stencils.gradient(group, a, d)[q]);
+            W[1 + d] = stencils.gradient(group, a, d)[q];
+          place += W[0] * dealii::Tensor<1, dim>(grid.node_position(id[a]));
         }
-      return result;
+      return place;
     }
   } // namespace
 
@@ -45,9 +50,10 @@ namespace emmy
     find_where(stencils, grid);
     if (exchange.is_needed())
       exchange_nodes(grid, couplings);
+    number_nodes();
     find_coupled(stencils.at_middle);
 
-    find_cliques();
+    cliques = cliques_now();
     for (Clique &clique : cliques)
       {
         const ParticlePair &pair = candidates.pairs[clique.pairs.front()];
@@ -65,8 +71,34 @@ namespace emmy
   }
 
   template <int dim>
+  bool
+  BodyContact<dim>::take_weights(const Stencils<dim>       &stencils,
+                                 const BackgroundGrid<dim> &grid)
+  {
+    renew_weights(stencils, grid);
+    find_coupled(stencils.at_middle);
+    std::vector<Clique> now     = cliques_now();
+    const bool          is_same = std::equal(now.begin(),
+                                    now.end(),
+                                    cliques.begin(),
+                                    cliques.end(),
+                                    [](const Clique &one, const Clique &other) {
+                                      return one.lists == other.lists;
+                                    });
+    if (exchange.is_needed() &&
+        dealii::Utilities::MPI::min(is_same ? 1 : 0, grid.communicator()) == 0)
+      return false;
+    if (!is_same)
+      return false;
+    for (std::size_t n = 0; n < now.size(); ++n)
+      now[n].coupled = cliques[n].coupled;
+    cliques = std::move(now);
+    return true;
+  }
+
+  template <int dim>
   void
-  BodyContact<dim>::find_cliques()
+  BodyContact<dim>::number_nodes()
   {
     // numbered by their nodes: the same couplings in any order of particles
     std::vector<unsigned int> order(where.size());
@@ -81,6 +113,12 @@ namespace emmy
           ++number;
         where[order[n]].nodes = number;
       }
+  }
+
+  template <int dim>
+  std::vector<typename BodyContact<dim>::Clique>
+  BodyContact<dim>::cliques_now() const
+  {
     std::vector<std::array<unsigned int, 3>> coupled;
     for (unsigned int k = 0; k < candidates.pairs.size(); ++k)
       if (is_coupled[k])
@@ -88,14 +126,15 @@ namespace emmy
                             where[candidates.pairs[k].second].nodes,
                             k}});
     std::sort(coupled.begin(), coupled.end());
-    cliques.clear();
-    for (std::size_t n = 0; n < coupled.size(); ++n)
+    std::vector<Clique> result;
+    for (const auto &[first, second, k] : coupled)
       {
-        const auto &[first, second, k] = coupled[n];
-        if (n == 0 || coupled[n - 1][0] != first || coupled[n - 1][1] != second)
-          cliques.emplace_back();
-        cliques.back().pairs.push_back(k);
+        const std::array<unsigned int, 2> lists{{first, second}};
+        if (result.empty() || result.back().lists != lists)
+          result.push_back({lists, {}});
+        result.back().pairs.push_back(k);
       }
+    return result;
   }
 
   template <int dim>
@@ -144,28 +183,21 @@ namespace emmy
       if (particles[i].owner == here)
         at_place[particles[i].index] = i;
     where.assign(particles.size(), {none, none, 0, {}, {}, {}});
-    at_point.assign(stencils.order.size(), none);
     in_order.clear();
     for (unsigned int g = 0; g < stencils.groups.size(); ++g)
       for (unsigned int q = 0; q < stencils.groups[g].n_points; ++q)
         {
           const Group       &group = stencils.groups[g];
-          const std::size_t  p     = group.first_point + q;
-          const unsigned int i     = at_place[stencils.order[p]];
+          const unsigned int i =
+            at_place[stencils.order[group.first_point + q]];
           if (i == none)
             continue;
           const auto begin = stencils.node_ids.begin() + group.first_node;
-          dealii::Point<dim> place;
-          for (unsigned int a = 0; a < group.n_nodes; ++a)
-            place += stencils.value(group, a)[q] *
-                     dealii::Tensor<1, dim>(grid.node_position(begin[a]));
-          where[i]    = {g,
-                         q,
-                         0,
-                         place,
-                         NodeIds(begin, begin + group.n_nodes),
-                         weights_of(stencils, group, q)};
-          at_point[p] = i;
+          where[i].group   = g;
+          where[i].point   = q;
+          where[i].ids     = NodeIds(begin, begin + group.n_nodes);
+          where[i].place =
+            set_weights(stencils, group, q, grid, where[i].weights);
           in_order.push_back(i);
         }
   }
@@ -218,6 +250,38 @@ namespace emmy
       return masters;
     }
   } // namespace
+
+  template <int dim>
+  void
+  BodyContact<dim>::renew_weights(const Stencils<dim>       &stencils,
+                                  const BackgroundGrid<dim> &grid)
+  {
+    for (const unsigned int i : in_order)
+      where[i].place = set_weights(stencils,
+                                   stencils.groups[where[i].group],
+                                   where[i].point,
+                                   grid,
+                                   where[i].weights);
+    if (!exchange.is_needed())
+      return;
+    // by particle: its place, then W
+    std::vector<std::vector<double>> numbers(where.size());
+    for (const unsigned int i : in_order)
+      {
+        append(where[i].place, numbers[i]);
+        numbers[i].insert(numbers[i].end(),
+                          where[i].weights.begin(),
+                          where[i].weights.end());
+      }
+    exchange(numbers);
+    for (unsigned int i = 0; i < where.size(); ++i)
+      if (!is_mine(i))
+        {
+          auto number      = numbers[i].cbegin();
+          where[i].place   = point_from<dim>(number);
+          where[i].weights = {number, numbers[i].cend()};
+        }
+  }
 
   template <int dim>
   void
@@ -280,9 +344,13 @@ namespace emmy
                          const BackgroundGrid<2> &,
                          const BoundaryConditions<2> &,
                          Couplings<2> &);
+  template bool
+  BodyContact<2>::take_weights(const Stencils<2> &, const BackgroundGrid<2> &);
   template void
   BodyContact<3>::couple(const Stencils<3> &,
                          const BackgroundGrid<3> &,
                          const BoundaryConditions<3> &,
                          Couplings<3> &);
+  template bool
+  BodyContact<3>::take_weights(const Stencils<3> &, const BackgroundGrid<3> &);
 } // namespace emmy

@@ -66,11 +66,11 @@ namespace emmy
 
       /** The forces, which the result then has. */
       void
-      evaluate(const Tensor<1, dim> &before,
-               const Tensor<1, dim> &way,
-               const Tensor<1, dim> &spring,
-               const bool            with_derivative,
-               PairAction<dim>      &result)
+      evaluate(const Tensor<1, dim>      &before,
+               const Tensor<1, dim>      &way,
+               const Tensor<1, dim>      &spring,
+               PairDerivative<dim> *const derivative,
+               PairAction<dim>           &result)
       {
         Tensor<1, dim> slide = way;
         if (has_friction)
@@ -80,7 +80,7 @@ namespace emmy
                 of[p].share * (of[p].inverse * (before + 0.5 * way));
               slide += of[p].sign * (gradients[p] * of[p].place);
             }
-        if (!with_derivative)
+        if (!derivative)
           {
             take(Evaluation<dim, double>(law, before, spring, result)(
               constant<dim, double>(way), constant<dim, double>(slide)));
@@ -110,7 +110,7 @@ namespace emmy
               by.friction_by_way[i][j]   = push.friction[i].dx(j);
               by.friction_by_slide[i][j] = push.friction[i].dx(dim + j);
             }
-        set_derivative(by, result);
+        add_derivative(by, *derivative);
       }
 
     private:
@@ -141,22 +141,23 @@ namespace emmy
             }
       }
 
-      /** sign (A dw + B dL b) for the unknowns of a particle. */
+      /** A dw + B (slide of dL b) for the unknowns of a particle. */
       static std::array<Motion, dim>
       by_unknowns(const Tensor<2, dim> &A,
                   const Tensor<2, dim> &B,
                   const Carried<dim>   &by)
       {
         std::array<Motion, dim> result;
-        const Tensor<2, dim>    along = A * by.by_gradient;
+        const Tensor<2, dim>    along = by.at_middle ? A * by.by_gradient : A,
+                             turned   = by.at_middle ? B : B * by.inverse;
+        const Tensor<1, dim> arm = by.sign * by.arm, place = by.sign * by.place;
         for (unsigned int i = 0; i < dim; ++i)
           for (unsigned int j = 0; j < dim; ++j)
             {
               double *entry = &result[i][(dim + 1) * j];
               entry[0]      = by.sign * A[i][j];
               for (unsigned int m = 0; m < dim; ++m)
-                entry[1 + m] =
-                  by.sign * (along[i][j] * by.arm[m] + B[i][j] * by.place[m]);
+                entry[1 + m] = along[i][j] * arm[m] + turned[i][j] * place[m];
             }
         return result;
       }
@@ -166,90 +167,93 @@ namespace emmy
        * L_1 b_1 - L_2 b_2 changes by Q dw and sign Y dL b.
        */
       void
-      set_derivative(const PushByMotion<dim> &by, PairAction<dim> &result) const
+      add_derivative(const PushByMotion<dim> &by,
+                     PairDerivative<dim>     &result) const
       {
-        constexpr unsigned int n = PairAction<dim>::n_motion;
-        Tensor<2, dim>         Q = dealii::unit_symmetric_tensor<dim>();
-        if (has_friction)
-          for (unsigned int p = 0; p < 2; ++p)
-            Q +=
-              (0.5 * of[p].sign * of[p].share) * (gradients[p] * of[p].inverse);
+        if (!has_friction)
+          {
+            for (unsigned int column = 0; column < 2; ++column)
+              {
+                const auto df =
+                  by_unknowns(by.force_by_way, Tensor<2, dim>(), of[column]);
+                for (unsigned int row = 0; row < 2; ++row)
+                  add_forces(df, of[row], result.of[row][column]);
+              }
+            if (of[0].at_middle)
+              turn_arms(result);
+            return;
+          }
+        Tensor<2, dim> Q = dealii::unit_symmetric_tensor<dim>();
+        for (unsigned int p = 0; p < 2; ++p)
+          Q +=
+            (0.5 * of[p].sign * of[p].share) * (gradients[p] * of[p].inverse);
         const Tensor<2, dim> A = by.force_by_way + by.force_by_slide * Q,
                              C = by.friction_by_way + by.friction_by_slide * Q;
         for (unsigned int column = 0; column < 2; ++column)
           {
-            const auto df = by_unknowns(A,
-                                        by.force_by_slide * of[column].inverse,
-                                        of[column]);
+            const auto df = by_unknowns(A, by.force_by_slide, of[column]),
+                       dT = by_unknowns(C, by.friction_by_slide, of[column]);
             for (unsigned int row = 0; row < 2; ++row)
-              for (unsigned int i = 0; i < dim; ++i)
-                {
-                  const std::size_t at = n * row + (dim + 1) * i;
-                  for (unsigned int z = 0; z < n; ++z)
+              {
+                const Carried<dim> &on    = of[row];
+                auto               &block = result.of[row][column];
+                add_forces(df, on, block);
+                // b by dw
+                const auto db = by_unknowns((0.5 * on.share) * on.inverse,
+                                            Tensor<2, dim>(),
+                                            of[column]);
+                for (unsigned int i = 0; i < dim; ++i)
+                  for (unsigned int l = 0; l < dim; ++l)
                     {
-                      const double d = of[row].sign * df[i][z];
-                      result.derivative[at][n * column + z] = d;
-                      for (unsigned int l = 0; l < dim; ++l)
-                        result.derivative[at + 1 + l][n * column + z] =
-                          d * of[row].arm[l];
+                      const double place = on.sign * on.place[l],
+                                   T     = on.sign * friction[i];
+                      Motion &entry      = block[(dim + 1) * i + 1 + l];
+                      for (unsigned int z = 0; z < entry.size(); ++z)
+                        entry[z] -= dT[i][z] * place + T * db[l][z];
                     }
-                }
-            if (has_friction)
-              add_moments(by_unknowns(C,
-                                      by.friction_by_slide * of[column].inverse,
-                                      of[column]),
-                          column,
-                          result);
+              }
           }
-        for (unsigned int p = 0; p < 2; ++p)
-          if (of[p].at_middle || has_friction)
-            turn_arms(p, result);
+        turn_arms(result);
       }
 
-      /** Those of friction at the common place, -(dT b + T share Y dw/2). */
-      void
-      add_moments(const std::array<Motion, dim> &dT,
-                  const unsigned int             column,
-                  PairAction<dim>               &result) const
+      /** sign df, and sign df (x) a behind it. */
+      static void
+      add_forces(const std::array<Motion, dim>       &df,
+                 const Carried<dim>                  &on,
+                 typename PairDerivative<dim>::Block &block)
       {
-        constexpr unsigned int n = PairAction<dim>::n_motion;
-        for (unsigned int row = 0; row < 2; ++row)
+        for (unsigned int l = 0; l <= dim; ++l)
           {
-            const Carried<dim> &on = of[row];
-            const auto          db = by_unknowns(0.5 * on.share * on.inverse,
-                                        Tensor<2, dim>(),
-                                        of[column]);
+            const double arm = l == 0 ? on.sign : on.sign * on.arm[l - 1];
             for (unsigned int i = 0; i < dim; ++i)
-              for (unsigned int l = 0; l < dim; ++l)
-                {
-                  double *entry =
-                    &result
-                       .derivative[n * row + (dim + 1) * i + 1 + l][n * column];
-                  for (unsigned int z = 0; z < n; ++z)
-                    entry[z] -= on.sign * (dT[i][z] * on.place[l] +
-                                           friction[i] * db[l][z]);
-                }
+              {
+                Motion &entry = block[(dim + 1) * i + l];
+                for (unsigned int z = 0; z < entry.size(); ++z)
+                  entry[z] += arm * df[i][z];
+              }
           }
       }
 
       /** da = Z dL a/2 in the middle; else db = -Y dL b/2. */
       void
-      turn_arms(const unsigned int p, PairAction<dim> &result) const
+      turn_arms(PairDerivative<dim> &result) const
       {
-        constexpr unsigned int n  = PairAction<dim>::n_motion;
-        const Carried<dim>    &on = of[p];
-        const Tensor<1, dim>   f =
-          (0.5 * on.sign) * (on.at_middle ? force : friction);
-        const Tensor<1, dim> &arm = on.at_middle ? on.arm : on.place;
-        const Tensor<2, dim> &turned =
-          on.at_middle ? on.by_gradient : on.inverse;
-        for (unsigned int i = 0; i < dim; ++i)
-          for (unsigned int l = 0; l < dim; ++l)
-            for (unsigned int j = 0; j < dim; ++j)
-              for (unsigned int m = 0; m < dim; ++m)
-                result.derivative[n * p + (dim + 1) * i + 1 + l]
-                                 [n * p + (dim + 1) * j + 1 + m] +=
-                  f[i] * turned[l][j] * arm[m];
+        for (unsigned int p = 0; p < 2; ++p)
+          {
+            const Carried<dim>  &on = of[p];
+            const Tensor<1, dim> f =
+              (0.5 * on.sign) * (on.at_middle ? force : friction);
+            const Tensor<1, dim> &arm = on.at_middle ? on.arm : on.place;
+            const Tensor<2, dim> &turned =
+              on.at_middle ? on.by_gradient : on.inverse;
+            for (unsigned int i = 0; i < dim; ++i)
+              for (unsigned int l = 0; l < dim; ++l)
+                for (unsigned int j = 0; j < dim; ++j)
+                  for (unsigned int m = 0; m < dim; ++m)
+                    result
+                      .of[p][p][(dim + 1) * i + 1 + l][(dim + 1) * j + 1 + m] +=
+                      f[i] * turned[l][j] * arm[m];
+          }
       }
 
       const PairLaw                      &law;
@@ -268,11 +272,11 @@ namespace emmy
 
   template <int dim>
   PairAction<dim>
-  pair_action(const PairLaw        &law,
-              const PairPoint<dim> &first,
-              const PairPoint<dim> &second,
-              const Tensor<1, dim> &spring,
-              const bool            with_derivative)
+  pair_action(const PairLaw             &law,
+              const PairPoint<dim>      &first,
+              const PairPoint<dim>      &second,
+              const Tensor<1, dim>      &spring,
+              PairDerivative<dim> *const derivative)
   {
     PairAction<dim>      result;
     const Tensor<1, dim> before = first.place() - second.place(),
@@ -288,7 +292,7 @@ namespace emmy
     result.stored =
       pair_energy(law, result.gap_new) - pair_energy(law, result.gap_old);
     Pair<dim>(law, first, second)
-      .evaluate(before, way, spring, with_derivative, result);
+      .evaluate(before, way, spring, derivative, result);
     return result;
   }
 
@@ -297,11 +301,11 @@ namespace emmy
                  const PairPoint<2> &,
                  const PairPoint<2> &,
                  const Tensor<1, 2> &,
-                 const bool);
+                 PairDerivative<2> *);
   template PairAction<3>
   pair_action<3>(const PairLaw &,
                  const PairPoint<3> &,
                  const PairPoint<3> &,
                  const Tensor<1, 3> &,
-                 const bool);
+                 PairDerivative<3> *);
 } // namespace emmy

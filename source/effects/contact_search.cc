@@ -70,38 +70,51 @@ namespace emmy
     template <int dim>
     using Box = dealii::BoundingBox<dim>;
 
-    /** The particles that are near to the box around another group. */
+    /** The particles that are near to the box around another group, by id. */
     template <int dim>
-    std::vector<unsigned int>
+    std::vector<ContactParticle<dim>>
     near_others(const ContactRules<dim>                 &rules,
                 const std::vector<ContactParticle<dim>> &particles,
                 const double                             distance)
     {
-      std::vector<std::vector<dealii::Point<dim>>> of_groups;
+      constexpr double all = std::numeric_limits<double>::max();
+      // by group and direction, of the group's box
+      std::vector<std::array<std::array<double, 2>, dim>> boxes;
       for (const ContactParticle<dim> &particle : particles)
         {
           const unsigned int group = rules.bodies[particle.body].group;
-          if (of_groups.size() <= group)
-            of_groups.resize(group + 1);
-          of_groups[group].push_back(particle.place);
-        }
-      std::vector<Box<dim>> boxes(of_groups.size());
-      for (unsigned int g = 0; g < boxes.size(); ++g)
-        if (!of_groups[g].empty())
-          {
-            boxes[g] = Box<dim>(of_groups[g]);
-            boxes[g].extend(distance);
-          }
-      std::vector<unsigned int> result;
-      for (unsigned int i = 0; i < particles.size(); ++i)
-        for (unsigned int g = 0; g < boxes.size(); ++g)
-          if (g != rules.bodies[particles[i].body].group &&
-              !of_groups[g].empty() &&
-              boxes[g].point_inside(particles[i].place))
+          while (boxes.size() <= group)
             {
-              result.push_back(i);
-              break;
+              boxes.emplace_back();
+              boxes.back().fill({{all, -all}}); // none yet
             }
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              auto &[lower, upper] = boxes[group][d];
+              lower                = std::min(lower, particle.place[d]);
+              upper                = std::max(upper, particle.place[d]);
+            }
+        }
+      const auto is_near = [&](const ContactParticle<dim> &particle) {
+        for (unsigned int g = 0; g < boxes.size(); ++g)
+          {
+            bool is_inside = g != rules.bodies[particle.body].group;
+            for (unsigned int d = 0; d < dim && is_inside; ++d)
+              is_inside = particle.place[d] >= boxes[g][d][0] - distance &&
+                          particle.place[d] <= boxes[g][d][1] + distance;
+            if (is_inside)
+              return true;
+          }
+        return false;
+      };
+      std::vector<ContactParticle<dim>> result;
+      std::copy_if(particles.begin(),
+                   particles.end(),
+                   std::back_inserter(result),
+                   is_near);
+      std::sort(result.begin(), result.end(), [](const auto &a, const auto &b) {
+        return a.id < b.id;
+      });
       return result;
     }
 
@@ -127,19 +140,20 @@ namespace emmy
 
     /** The contact points of two particles that may touch. */
     template <int dim>
-    std::vector<std::array<unsigned char, 2>>
-    near_points(const ContactRules<dim> &rules,
-                const Reaching<dim>     &one,
-                const Reaching<dim>     &two,
-                const double             margin)
+    void
+    near_points(const ContactRules<dim>                   &rules,
+                const Reaching<dim>                       &one,
+                const Reaching<dim>                       &two,
+                const double                               margin,
+                std::vector<std::array<unsigned char, 2>> &result)
     {
-      std::vector<std::array<unsigned char, 2>> result;
-      const double                              reach =
+      result.clear();
+      const double reach =
         rules.reach(one.particle.body, two.particle.body) + margin;
       const double farthest = reach + one.arm + two.arm;
       if ((one.particle.place - two.particle.place).norm_square() >=
           farthest * farthest)
-        return result;
+        return;
       const double to_any = reach + (1. + 1e-12) * two.arm;
       for (unsigned int i = 0; i < one.points.size(); ++i)
         {
@@ -151,7 +165,6 @@ namespace emmy
               result.push_back({{static_cast<unsigned char>(i),
                                  static_cast<unsigned char>(j)}});
         }
-      return result;
     }
 
     /** Leave out particles that are in no pair. */
@@ -181,57 +194,57 @@ namespace emmy
 
   template <int dim>
   Candidates<dim>
-  find_candidates(const ContactRules<dim>          &rules,
-                  std::vector<ContactParticle<dim>> particles,
-                  const double                      margin,
-                  const unsigned int                rank)
+  find_candidates(const ContactRules<dim>                 &rules,
+                  const std::vector<ContactParticle<dim>> &particles,
+                  const double                             margin,
+                  const unsigned int                       rank)
   {
-    // neither the order of cells nor the partition may matter
-    std::sort(particles.begin(),
-              particles.end(),
-              [](const auto &a, const auto &b) { return a.id < b.id; });
-    Candidates<dim> found;
-    found.particles    = std::move(particles);
     double largest_arm = 0.;
-    for (const ContactParticle<dim> &particle : found.particles)
+    for (const ContactParticle<dim> &particle : particles)
       largest_arm =
         std::max(largest_arm, particle.arm(rules.bodies[particle.body]));
-    const double distance = rules.largest_reach() + margin + 2. * largest_arm;
+    const double reach = rules.largest_reach() + margin;
+    // by id: neither the order of cells nor the partition may matter
+    Candidates<dim> found;
+    found.particles  = near_others(rules, particles, reach + 2. * largest_arm);
+    const auto &near = found.particles;
 
-    const auto near = near_others(rules, found.particles, distance);
-    std::vector<std::pair<dealii::Point<dim>, unsigned int>> places;
-    std::vector<Reaching<dim>>                               reaching;
+    using Place = std::pair<dealii::Point<dim>, unsigned int>;
+    std::vector<Place>         places, around;
+    std::vector<Reaching<dim>> reaching;
     reaching.reserve(near.size());
     for (unsigned int n = 0; n < near.size(); ++n)
       {
-        places.emplace_back(found.particles[near[n]].place, n);
-        reaching.emplace_back(rules, found.particles[near[n]]);
+        places.emplace_back(near[n].place, n);
+        reaching.emplace_back(rules, near[n]);
       }
-    const auto tree = dealii::pack_rtree(places);
-    std::vector<std::pair<dealii::Point<dim>, unsigned int>> around;
+    const auto                                tree = dealii::pack_rtree(places);
+    std::vector<std::array<unsigned char, 2>> points;
     for (unsigned int n = 0; n < near.size(); ++n)
       {
-        const ContactParticle<dim> &one = found.particles[near[n]];
-        Box<dim>                    box({one.place, one.place});
-        box.extend(distance);
+        const unsigned int group  = rules.bodies[near[n].body].group;
+        const bool         is_own = near[n].owner == rank;
+        const auto         is_new = [&](const Place &other) {
+          const ContactParticle<dim> &two = near[other.second];
+          return other.second > n && rules.bodies[two.body].group != group &&
+                 (is_own || two.owner == rank);
+        };
+        Box<dim> box({near[n].place, near[n].place});
+        box.extend(reach + reaching[n].arm + largest_arm);
         around.clear();
-        tree.query(bgi::intersects(box), std::back_inserter(around));
+        tree.query(bgi::intersects(box) && bgi::satisfies(is_new),
+                   std::back_inserter(around));
         std::sort(around.begin(),
                   around.end(),
                   [](const auto &a, const auto &b) {
                     return a.second < b.second;
                   });
-        for (const auto &[place, m] : around)
+        for (const Place &other : around)
           {
-            (void)place;
-            const ContactParticle<dim> &two = found.particles[near[m]];
-            if (m <= n ||
-                rules.bodies[one.body].group == rules.bodies[two.body].group ||
-                (one.owner != rank && two.owner != rank))
-              continue;
-            auto points = near_points(rules, reaching[n], reaching[m], margin);
+            near_points(
+              rules, reaching[n], reaching[other.second], margin, points);
             if (!points.empty())
-              found.pairs.push_back({near[n], near[m], std::move(points)});
+              found.pairs.push_back({n, other.second, points});
           }
       }
     leave_out_lone(found);
@@ -243,7 +256,7 @@ namespace emmy
   template struct ContactParticle<dim>;          \
   template Candidates<dim> find_candidates<dim>( \
     const ContactRules<dim> &,                   \
-    std::vector<ContactParticle<dim>>,           \
+    const std::vector<ContactParticle<dim>> &,   \
     const double,                                \
     const unsigned int);
   INSTANTIATE(2)

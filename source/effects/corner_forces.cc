@@ -141,20 +141,18 @@ namespace emmy
     }
 
     /** Add z,k dq_k of a coordinate of the place. */
-    template <int dim, class ByMotion>
+    template <int dim>
     void
     add_along(const PointMotion<dim> &z,
               const double            shift,
-              const ByMotion         &by_motion,
+              const PointMotion<dim> &by,
               FollowedMotion<dim>    &result)
     {
       for (unsigned int row = 0; row < z.size(); ++row)
         {
           result.shift[row] += z[row] * shift;
-          for (unsigned int j = 0; j < dim; ++j)
-            for (unsigned int m = 0; m <= dim; ++m)
-              result.by_nodes[row][(dim + 1) * j + m] +=
-                z[row] * by_motion[j][m];
+          for (unsigned int column = 0; column < z.size(); ++column)
+            result.by_nodes[row][column] += z[row] * by[column];
         }
     }
   } // namespace
@@ -226,47 +224,46 @@ namespace emmy
     const unsigned int *nodes = step.start.active->nodes(group);
     const auto &response      = step.moving->response_of(group.first_point + q);
     step.moving->differentiate(step, group, q, by_place);
-    const auto by_q =
-      [this](const unsigned int k, const unsigned int l, const unsigned int a) {
-        return l == 0 ? by_place.value(k)[a] : by_place.gradient(k, l - 1)[a];
-      };
     const auto where_they_stay = by_motion;
     Motion     moved{}; // E z,k shift_k
     for (unsigned int k = 0; k < PlaceDerivatives<dim>::n; ++k)
       {
-        Motion z{}; // z,k
+        std::array<const double *, dim + 1> W{{by_place.value(k)}}; // W,k
+        for (unsigned int d = 0; d < dim; ++d)
+          W[1 + d] = by_place.gradient(k, d);
+        const double shift = response.shift[k];
+        Motion       z{}, by{}; // z,k and dq_k/dz
+        for (unsigned int j = 0; j < dim; ++j)
+          for (unsigned int m = 0; m <= dim; ++m)
+            by[(dim + 1) * j + m] = response.by_motion[k][j][m];
         for (unsigned int a = 0; a < group.n_nodes; ++a)
           for (unsigned int j = 0; j < dim; ++j)
-            for (unsigned int m = 0; m <= dim; ++m)
-              z[(dim + 1) * j + m] +=
-                by_q(k, m, a) * displacement[unknown<dim>(nodes[a], j)];
+            {
+              const double u = displacement[unknown<dim>(nodes[a], j)];
+              for (unsigned int m = 0; m <= dim; ++m)
+                z[(dim + 1) * j + m] += W[m][a] * u;
+            }
         if (followed)
-          add_along<dim>(z,
-                         response.shift[k],
-                         response.by_motion[k],
-                         *followed);
+          add_along<dim>(z, shift, by, *followed);
         for (unsigned int row = 0; row < n_motion; ++row)
           {
             double sum = 0.; // E z,k
             for (unsigned int column = 0; column < n_motion; ++column)
               sum += where_they_stay[row][column] * z[column];
-            moved[row] += sum * response.shift[k];
-            for (unsigned int j = 0; j < dim; ++j)
-              for (unsigned int m = 0; m <= dim; ++m)
-                by_motion[row][(dim + 1) * j + m] +=
-                  sum * response.by_motion[k][j][m];
+            moved[row] += sum * shift;
+            for (unsigned int column = 0; column < n_motion; ++column)
+              by_motion[row][column] += sum * by[column];
           }
         for (unsigned int a = 0; a < group.n_nodes; ++a)
           for (unsigned int i = 0; i < dim; ++i)
             {
               double sum = 0.; // W,k G
               for (unsigned int l = 0; l <= dim; ++l)
-                sum += by_q(k, l, a) * value[(dim + 1) * i + l];
-              share[unknown<dim>(nodes[a], i)] -= sum * response.shift[k];
-              for (unsigned int j = 0; j < dim; ++j)
-                for (unsigned int m = 0; m <= dim; ++m)
-                  along[dim * a + i][(dim + 1) * j + m] +=
-                    sum * response.by_motion[k][j][m];
+                sum += W[l][a] * value[(dim + 1) * i + l];
+              share[unknown<dim>(nodes[a], i)] -= sum * shift;
+              Motion &row = along[dim * a + i];
+              for (unsigned int column = 0; column < n_motion; ++column)
+                row[column] += sum * by[column];
             }
       }
     for (unsigned int a = 0; a < group.n_nodes; ++a)

@@ -6,6 +6,29 @@
 
 namespace emmy
 {
+  namespace
+  {
+    /** The rows of this rank, one after the other. */
+    struct Rows
+    {
+      int    *first, *columns; ///< where each row begins; columns of entries
+      double *values;          ///< of entries
+
+      /** @param matrix whose pattern is finished */
+      explicit Rows(const Epetra_CrsMatrix &matrix)
+      {
+        AssertThrow(matrix.ExtractCrsDataPointers(first, columns, values) == 0,
+                    dealii::ExcInternalError());
+      }
+
+      int
+      length(const int row) const
+      {
+        return first[row + 1] - first[row];
+      }
+    };
+  } // namespace
+
   WithoutEmptyPairs::WithoutEmptyPairs(const unsigned int n_components)
     : n(n_components)
   {}
@@ -45,28 +68,25 @@ namespace emmy
   void
   WithoutEmptyPairs::find_kept(const Epetra_CrsMatrix &matrix)
   {
-    is_kept.clear();
-    is_kept.reserve(matrix.NumMyNonzeros() / (n * n));
-    std::array<double *, n> rows;
+    is_kept.resize(matrix.NumMyNonzeros() / (n * n));
+    char      *kept = is_kept.data();
+    const Rows all(matrix);
     for (int row = 0; row < matrix.NumMyRows(); row += n)
       {
-        int  length = 0, other = 0;
-        int *columns = nullptr;
+        const int length = all.length(row);
         for (int c = 0; c < n; ++c)
-          {
-            matrix.ExtractMyRowView(row + c, length, rows[c], columns);
-            AssertThrow((c == 0 || length == other) && length % n == 0,
-                        dealii::ExcInternalError());
-            other = length;
-          }
-        const int diagonal = matrix.LCID(matrix.GRID64(row));
+          AssertThrow(all.length(row + c) == length && length % n == 0,
+                      dealii::ExcInternalError());
+        const double *values   = all.values + all.first[row];
+        const int    *columns  = all.columns + all.first[row];
+        const int     diagonal = matrix.LCID(matrix.GRID64(row));
         for (int first = 0; first < length; first += n)
           {
             bool is_empty = columns[first] != diagonal;
             for (int c = 0; c < n && is_empty; ++c)
               for (int d = 0; d < n && is_empty; ++d)
-                is_empty = rows[c][first + d] == 0.;
-            is_kept.push_back(!is_empty);
+                is_empty = values[c * length + first + d] == 0.;
+            *kept++ = !is_empty;
           }
       }
   }
@@ -112,18 +132,15 @@ namespace emmy
   void
   WithoutEmptyPairs::copy(const Epetra_CrsMatrix &matrix, Reduced &result) const
   {
-    const Epetra_CrsMatrix &kept       = result.matrix.trilinos_matrix();
-    const char             *first_pair = is_kept.data();
+    const Rows  all(matrix), kept(result.matrix.trilinos_matrix());
+    const char *first_pair = is_kept.data();
     for (int row = 0; row < matrix.NumMyRows(); row += n)
       {
-        const char *end = first_pair;
+        const char *const end = first_pair + all.length(row) / n;
         for (int c = 0; c < n; ++c)
           {
-            int     length = 0, kept_length = 0;
-            double *from = nullptr, *to = nullptr;
-            matrix.ExtractMyRowView(row + c, length, from);
-            kept.ExtractMyRowView(row + c, kept_length, to);
-            end = first_pair + length / n;
+            const double *from = all.values + all.first[row + c];
+            double       *to   = kept.values + kept.first[row + c];
             for (const char *pair = first_pair; pair < end; ++pair, from += n)
               if (*pair)
                 for (int d = 0; d < n; ++d)

@@ -315,6 +315,36 @@ namespace emmy
 
   template <int dim>
   bool
+  Balance<dim>::take_weights(const Stencils<dim>       &stencils,
+                             const BackgroundGrid<dim> &grid,
+                             Phases                    *phases) const
+  {
+    bool result = true;
+    for (std::size_t i = 0; i < effects.terms.size(); ++i)
+      {
+        NodeCoupling<dim> *coupling = effects.terms[i]->coupling();
+        if (!coupling || !coupling->couples_by_weights())
+          continue;
+        const auto timed = effect_scope(phases, effects.term_names[i]);
+        result           = coupling->take_weights(stencils, grid) && result;
+      }
+    return result;
+  }
+
+  template <int dim>
+  void
+  Balance<dim>::follow(const Stencils<dim>       &stencils,
+                       const PointArrays<dim>    &points,
+                       const ActiveGrid<dim>     &active,
+                       const std::vector<double> &displacement,
+                       PointArrays<dim>          &trial) const
+  {
+    for (const auto &term : effects.terms)
+      term->follow(stencils, points, active, displacement, trial);
+  }
+
+  template <int dim>
+  bool
   Balance<dim>::has_loads() const
   {
     return std::any_of(effects.terms.begin(),

@@ -120,7 +120,9 @@ namespace emmy
     const bool has_nodes = dealii::Utilities::MPI::min(
       current && have_same_nodes(next.stencils, current->stencils) ? 1 : 0,
       start.rules.grid.communicator());
-    if (has_nodes && !start.balance.couples_by_weights())
+    if (has_nodes && start.balance.take_weights(next.stencils,
+                                                start.rules.grid,
+                                                start.phases))
       {
         start.particles_to_grid.renew_momentum(next.stencils, next.points);
         return;

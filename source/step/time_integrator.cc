@@ -98,6 +98,8 @@ namespace emmy
                                       PointArrays<dim>          &trial,
                                       std::vector<std::string>  &notes)
   {
+    setting.method.balance.follow(
+      ground.stencils, ground.points, active, displacement, trial);
     if (!setting.method.domain_update)
       return;
     const auto timed = setting.phases.effect(domain_update_effect);

@@ -117,6 +117,27 @@ namespace
   }
 
   /**
+   * Contact points are where the step before has left them: once bodies have
+   * parted nothing is stored, also where no box keeps F.
+   */
+  void
+  check_parting(const std::string &geometry)
+  {
+    Blocks<2> blocks;
+    blocks.geometry = geometry;
+    blocks.starved += "set Shape functions = linear\n";
+    const SceneParameters<2> parameters(
+      ParameterFile::from_text(blocks.text(), "test"));
+    test::RunningScene<2> run(parameters);
+    run.advance(25);
+    const auto stored = run.column("contact_energy");
+    check(run.ledger["contact_pairs"] == 0., geometry + ": they have parted");
+    at_most(geometry + ", parted: energy of contact that is left",
+            std::abs(stored.back()) / test::largest(stored),
+            1e-12);
+  }
+
+  /**
    * Where nothing pushes, the ledger of both is the sum of those of each: they
    * go through one another, also where nodes starve.
    */
@@ -211,9 +232,9 @@ namespace
                   upper.particle[1] = height + row;
                   lower.particle[0] = along;
                   lower.particle[1] = -below;
-                  force += pair_action(
-                             law, upper, lower, dealii::Tensor<1, 2>(), false)
-                             .force;
+                  force +=
+                    pair_action(law, upper, lower, dealii::Tensor<1, 2>())
+                      .force;
                 }
           largest = std::max(largest, std::abs(force[0]) / force[1]);
         }
@@ -256,6 +277,7 @@ main(int argc, char *argv[])
                    "set Starved nodes = follow\nset Starved threshold = 0.1\n");
       check_run<2>(geometry);
       check_run<3>(geometry);
+      check_parting(geometry);
     }
   check_fields("start", "set Starved nodes = free\n");
   Blocks<2> plane;

@@ -142,6 +142,16 @@ echo "ring, by the theory: $(winkler 0.1333) N, pressed at its top $(winkler 0) 
 near "ring, force" "$(value ring 'last("tool_plate_force_y")')" "$(winkler 0.1333)" 0.03
 closes ring "$(value ring 'most("tool_plate_work")')"
 
+# others whose values are in tests of their own
+ran press
+closes press "$(value press 'most("tool_plate_work")')"
+ran draw
+closes draw "$(value draw 'most("tool_grip_work")')"
+for scene in bounce two-discs; do
+  ran $scene
+  closes $scene "$(value $scene 'first("kinetic_energy")')"
+done
+
 # a hammer that flies off, and a side that only pushes
 ran hammer
 closes hammer 450

@@ -108,6 +108,9 @@ namespace
     at_most(what + ": iterations of Newton, mean",
             its / (run.ledger.rows().size() - 1),
             6.);
+    at_most(what + ": iterations of Newton, most",
+            test::largest(run.column("newton_iterations")),
+            25.);
     const auto &columns = run.ledger.columns();
     if (std::count(columns.begin(), columns.end(), "friction_dissipation") == 0)
       return;

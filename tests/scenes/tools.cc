@@ -37,6 +37,11 @@ namespace
     at_most(what + ": balance",
             test::largest(run.column("balance_error")) / scale,
             1e-12);
+    // to round-off; how many it takes by default:
+    // tests/program/tool_examples.sh
+    at_most(what + ": iterations of Newton, most",
+            test::largest(run.column("newton_iterations")),
+            25.);
     const auto &columns = run.ledger.columns();
     if (std::count(columns.begin(), columns.end(), "friction_dissipation") == 0)
       return;

@@ -85,8 +85,18 @@ namespace emmy
            const BackgroundGrid<dim>     &grid,
            const BoundaryConditions<dim> &boundary_conditions,
            Couplings<dim>                &couplings) override;
+    bool
+    take_weights(const Stencils<dim>       &stencils,
+                 const BackgroundGrid<dim> &grid) override;
     std::string
     missing(const StepData<dim> &step, const Vector &displacement) override;
+    /** F of all particles. */
+    void
+    follow(const Stencils<dim>       &stencils,
+           const PointArrays<dim>    &points,
+           const ActiveGrid<dim>     &active,
+           const std::vector<double> &displacement,
+           PointArrays<dim>          &trial) const override;
     void
     end_step(const double time, const double time_step) override;
 
@@ -156,20 +166,21 @@ namespace emmy
     /** Pairs of particles whose nodes are those of two lists. */
     struct Clique
     {
-      std::vector<unsigned int> pairs;
-      std::size_t               coupled; ///< in Couplings::node_ids
+      std::array<unsigned int, 2> lists; ///< of the first and second particles
+      std::vector<unsigned int>   pairs;
+      std::size_t                 coupled = 0; ///< in Couplings::node_ids
     };
-    /** A candidate in an evaluation. */
-    struct State
+    /** The candidates in an evaluation. */
+    struct States
     {
-      CornerMotion<dim>                   motion;
-      std::vector<dealii::Tensor<1, dim>> places, ways; ///< of its points, m
+      std::vector<CornerMotion<dim>>      motions;
+      std::vector<dealii::Tensor<1, dim>> ways; ///< of their points, m
     };
-    /** Of a pair of particles: dG/dz across, first by second, and back. */
-    struct Across
+    /** Derivatives of pairs of particles that act on one another. */
+    struct PairMatrices
     {
-      bool     acts = false;
-      ByMotion first_by_second{}, second_by_first{};
+      std::vector<unsigned int>        of_pair; ///< by candidate; or none
+      std::vector<PairDerivative<dim>> matrices;
     };
 
     bool
@@ -191,13 +202,12 @@ namespace emmy
     {
       return where[one].ids < where[other].ids;
     }
-    /** Number the lists of nodes, and find the cliques of what couples. */
+    /** Number the lists of nodes. */
     void
-    find_cliques();
-    /** F at the end of the step into the trial states, of all particles. */
-    void
-    follow_deformation(const StepData<dim> &step,
-                       const Iterate<dim>  &iterate) const;
+    number_nodes();
+    /** Of what couples. */
+    std::vector<Clique>
+    cliques_now() const;
     CornerMotion<dim>
     particle(const StepData<dim>       &step,
              const Group               &group,
@@ -205,6 +215,10 @@ namespace emmy
              const std::vector<double> &local_displacement) const;
     void
     find_where(const Stencils<dim> &stencils, const BackgroundGrid<dim> &grid);
+    /** W and places of candidates whose nodes are known. */
+    void
+    renew_weights(const Stencils<dim>       &stencils,
+                  const BackgroundGrid<dim> &grid);
     /** Whether two particles touch in the step, or nearly, as places say. */
     bool
     nearly_touch(const ParticlePair &pair) const;
@@ -219,18 +233,28 @@ namespace emmy
     {
       return where[candidate].group != ContactBody<dim>::none;
     }
+    /** Of a candidate that is mine, by its weights. */
+    CornerMotion<dim>
+    motion_of(const unsigned int         candidate,
+              const StepData<dim>       &step,
+              const std::vector<double> &local_displacement) const;
     /** The candidates as they move. Collective. */
-    std::vector<State>
+    States
     states(const StepData<dim>       &step,
            const std::vector<double> &local_displacement) const;
-    /** Call visit(pair, key, action) for what acts, also for a moment. */
+    /**
+     * Call visit(pair, key, action) for what acts, also for a moment.
+     * @param derivatives of pairs, which are added to; null: not wanted
+     */
     template <class Visit>
     void
-    for_each_action(const std::vector<State> &states,
-                    const bool                with_derivative,
-                    const Visit              &visit) const;
+    for_each_action(const States       &states,
+                    PairMatrices *const derivatives,
+                    const Visit        &visit) const;
     PairPoint<dim>
-    point(const State &state, const unsigned int index) const;
+    point(const States      &states,
+          const unsigned int candidate,
+          const unsigned int index) const;
     /** Tell other ranks of the candidates that act. Collective. */
     void
     exchange_followed(const std::vector<char>          &acts,
@@ -239,7 +263,7 @@ namespace emmy
     void
     add_across(const StepData<dim>                    &step,
                const std::vector<FollowedMotion<dim>> &followed,
-               const std::vector<Across>              &across,
+               const PairMatrices                     &derivatives,
                Matrix                                 &jacobian) const;
 
     /** What the last step found on this rank. */
@@ -259,13 +283,13 @@ namespace emmy
     const std::vector<std::vector<dealii::Tensor<1, dim>>> points_of_body;
     double                                                 least_margin; ///< m
     double                                                 margin;       ///< m
-    unsigned int              here = 0; ///< this rank
-    Candidates<dim>           candidates;
-    std::vector<PairLaw>      laws;     ///< of their pairs
-    std::vector<Where>        where;    ///< of the candidates
-    std::vector<unsigned int> in_order; ///< of the stencils
-    std::vector<unsigned int> at_point; ///< candidate, or none
-    std::vector<Clique>       cliques;
+    unsigned int                        here = 0; ///< this rank
+    Candidates<dim>                     candidates;
+    std::vector<PairLaw>                laws;     ///< of their pairs
+    std::vector<dealii::Tensor<1, dim>> places;   ///< of their points at t, m
+    std::vector<Where>                  where;    ///< of the candidates
+    std::vector<unsigned int>           in_order; ///< of the stencils
+    std::vector<Clique>                 cliques;
     /** By pair of candidates; what touches joins. */
     mutable std::vector<char> is_coupled;
     ContactExchange<dim>      exchange;

@@ -50,12 +50,22 @@ namespace emmy
     double gap_old = 0., gap_new = 0.;
     /** On the first particle, and behind it on the second, N and N m. */
     std::array<double, 2 * n_motion> value{};
-    /** By the motions of both particles, if asked for. */
-    std::array<std::array<double, 2 * n_motion>, 2 * n_motion> derivative{};
-    dealii::Tensor<1, dim> force;  ///< on the first, N
-    dealii::Tensor<1, dim> spring; ///< at the end, m
+    dealii::Tensor<1, dim>           force;  ///< on the first, N
+    dealii::Tensor<1, dim>           spring; ///< at the end, m
     /** Gains in the step, J: of psi, of k_T xi^2 / 2; lost in sliding. */
     double stored = 0., spring_stored = 0., slip = 0.;
+  };
+
+  /** How what acts between two particles changes with their motions. */
+  template <int dim>
+  struct PairDerivative
+  {
+    /** Of (f, f (x) a) by (S u, L), see PairAction. */
+    using Block = std::array<std::array<double, PairAction<dim>::n_motion>,
+                             PairAction<dim>::n_motion>;
+
+    /** Of what acts on one of both, by the motion of one of both. */
+    std::array<std::array<Block, 2>, 2> of{};
   };
 
   /** psi of two points with a gap, J. */
@@ -85,6 +95,8 @@ namespace emmy
    *
    * Pure. Cost: some roots where points are apart; where they touch, some
    * hundred operations, and some thousand with the derivative.
+   *
+   * @param derivative to which that of what acts is added; null: not wanted
    */
   template <int dim>
   PairAction<dim>
@@ -92,7 +104,7 @@ namespace emmy
               const PairPoint<dim>         &first,
               const PairPoint<dim>         &second,
               const dealii::Tensor<1, dim> &spring,
-              const bool                    with_derivative);
+              PairDerivative<dim> *const    derivative = nullptr);
 } // namespace emmy
 
 #endif

@@ -109,10 +109,10 @@ namespace emmy
    */
   template <int dim>
   Candidates<dim>
-  find_candidates(const ContactRules<dim>          &rules,
-                  std::vector<ContactParticle<dim>> particles,
-                  const double                      margin,
-                  const unsigned int                rank);
+  find_candidates(const ContactRules<dim>                 &rules,
+                  const std::vector<ContactParticle<dim>> &particles,
+                  const double                             margin,
+                  const unsigned int                       rank);
 } // namespace emmy
 
 #endif

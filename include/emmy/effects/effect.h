@@ -154,6 +154,25 @@ namespace emmy
       (void)force;
     }
 
+    /**
+     * Once a step is solved: the states at its end that the effect keeps and
+     * that none of its forces writes. Domains follow behind it.
+     * @param displacement of the step at the local nodes, [dim * node + c], m
+     */
+    virtual void
+    follow(const Stencils<dim>       &stencils,
+           const PointArrays<dim>    &points,
+           const ActiveGrid<dim>     &active,
+           const std::vector<double> &displacement,
+           PointArrays<dim>          &trial) const
+    {
+      (void)stencils;
+      (void)points;
+      (void)active;
+      (void)displacement;
+      (void)trial;
+    }
+
     /** Once a step from @p time on is accepted. */
     virtual void
     end_step(const double time, const double time_step)

@@ -53,13 +53,26 @@ namespace emmy
     }
 
     /**
-     * Whether couple() keeps weights of nodes: then it is called also where
-     * points reach the nodes of before with other weights.
+     * Whether couple() keeps weights of nodes: then take_weights() is called
+     * where points reach the nodes of before with other weights.
      */
     virtual bool
     couples_by_weights() const
     {
       return false;
+    }
+
+    /**
+     * Take the weights of stencils that have the nodes of before.
+     * @return whether what couple() told still holds, the same on all ranks;
+     *   else couple() is called
+     */
+    virtual bool
+    take_weights(const Stencils<dim> &stencils, const BackgroundGrid<dim> &grid)
+    {
+      (void)stencils;
+      (void)grid;
+      return true;
     }
 
     /**

@@ -116,6 +116,23 @@ namespace emmy
     bool
     couples_by_weights() const;
 
+    /**
+     * Where points reach the nodes of before: see NodeCoupling::take_weights().
+     * @return whether all couplings stay. Collective
+     */
+    bool
+    take_weights(const Stencils<dim>       &stencils,
+                 const BackgroundGrid<dim> &grid,
+                 Phases                    *phases) const;
+
+    /** States that effects keep: see Effect::follow(). */
+    void
+    follow(const Stencils<dim>       &stencils,
+           const PointArrays<dim>    &points,
+           const ActiveGrid<dim>     &active,
+           const std::vector<double> &displacement,
+           PointArrays<dim>          &trial) const;
+
     /** Once in a step: see Effect::classify(). Collective. */
     void
     classify(const Stencils<dim>       &stencils,

@@ -124,8 +124,8 @@ namespace emmy
     void
     note_limit(const StepSize &size, std::vector<std::string> &notes);
     /**
-     * Write the domains at t + dt to @p trial, where there are any. Throws
-     * ExcRun on all ranks if one vanishes. Collective.
+     * Write what effects keep and, where there are any, the domains at t + dt
+     * to @p trial. Throws ExcRun on all ranks if one vanishes. Collective.
      *
      * @param displacement of the step at the local nodes, [dim * node + c], m
      */
