@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Instructions that a rank takes for a step and its linear solves, part by part, for
 the beam in space of prm/benchmarks; counted by callgrind, so on any busy machine. What
-it waits for other ranks counts too, but in the first line. For doc/performance.md.
+it waits for other ranks counts too. For doc/performance.md.
 
   solve_instructions.py EMMY SOURCE_ROOT MPI_LAUNCHER [--ranks 1,2] [--cells 52]
                         [--step 2]
@@ -47,18 +47,6 @@ def instructions(name):
     return found
 
 
-def outside_mpi(name):
-    """Of all that is counted, in millions: what no library of MPI takes."""
-    text = subprocess.run(["callgrind_annotate", "--threshold=100", name],
-                          stdout=subprocess.PIPE, check=True).stdout.decode(errors="replace")
-    total = 0.
-    for number, library in re.findall(r"^\s*([\d,]+) \([^)]*\)\s+[^:]*:.*?(?: \[([^\]]*)\])?$",
-                                      text, re.M):
-        if not re.search(r"libmpi|libopen-|/mca_|libevent|libpmix", library):
-            total += int(number.replace(",", "")) / 1e6
-    return total
-
-
 def run(arguments, n_ranks, work):
     grid = ", ".join(str(n) for n in (arguments.cells, arguments.cells * 3 // 4,
                                       arguments.cells * 3 // 4))
@@ -77,7 +65,7 @@ def run(arguments, n_ranks, work):
         sys.exit(f"FAILED: {' '.join(command)}\n{done.stdout.decode(errors='replace')}")
     # a file for each step; those of the last
     names = sorted(glob.glob(os.path.join(work, f"count.*.{arguments.step}")))
-    return [dict(instructions(name), outside=outside_mpi(name)) for name in names]
+    return [instructions(name) for name in names]
 
 
 def main():
@@ -97,9 +85,6 @@ def main():
     print(f"| {arguments.cells} cells, step {arguments.step}, 1e6 instructions |"
           + "".join(f" {len(ranks)} ranks |" for ranks in found))
     print("|---" * (1 + len(found)) + "|")
-    print("| step, but for MPI |"
-          + "".join(" " + ", ".join(f"{rank['outside']:.0f}" for rank in ranks) + " |"
-                    for ranks in found))
     for part, functions in PARTS:
         print(f"| {part} |" + "".join(
             " " + ", ".join(f"{sum(rank.get(f, 0.) for f in functions):.0f}" for rank in ranks)
