@@ -63,6 +63,23 @@ namespace emmy
       return part;
     }
 
+    /** Whether two have the same nodes and values on this rank. */
+    bool
+    same_values(const NodeValues &a, const NodeValues &b)
+    {
+      if (a.size() == 0 && b.size() == 0)
+        return true;
+      if (a.get_partitioner() != b.get_partitioner())
+        return false;
+      const auto &nodes = *a.get_partitioner();
+      for (unsigned int i = 0;
+           i < nodes.locally_owned_size() + nodes.n_ghost_indices();
+           ++i)
+        if (a.local_element(i) != b.local_element(i))
+          return false;
+      return true;
+    }
+
     /** The number of nodes of all ranks that hold. Collective. */
     template <class Condition>
     std::uint64_t
@@ -155,6 +172,14 @@ namespace emmy
   } // namespace
 
   template <int dim>
+  bool
+  NodeClasses<dim>::same_nodes_as(const NodeClasses &other) const
+  {
+    return n_kept == other.n_kept && same_values(fed, other.fed) &&
+           same_values(coarse, other.coarse);
+  }
+
+  template <int dim>
   std::uint64_t
   class_changes(const NodeClasses<dim>    &before,
                 const NodeClasses<dim>    &now,
@@ -238,7 +263,8 @@ namespace emmy
   NodeClasses<dim>
   Aggregation<dim>::classify(const Stencils<dim>       &stencils,
                              const PointArrays<dim>    &points,
-                             const BackgroundGrid<dim> &grid) const
+                             const BackgroundGrid<dim> &grid,
+                             const NodeClasses<dim>    &before) const
   {
     const NodeValues part = parts_of_full(stencils,
                                           points.component(mass_component),
@@ -249,11 +275,17 @@ namespace emmy
     for (unsigned int i = 0; i < part.locally_owned_size(); ++i)
       classes.fed.local_element(i) = reaches(part.local_element(i), threshold);
     classes.fed.update_ghost_values();
+    classes.cells         = stencils.active_cells;
     const auto is_starved = [&](const unsigned int i) {
       return part.local_element(i) >= 0. &&
              !reaches(part.local_element(i), threshold);
     };
-    if (count(part, is_starved) > 0)
+    // where none was kept, each starved node had a root; and so it has now
+    const bool is_known = before.n_kept == 0 && before.cells == classes.cells &&
+                          same_values(before.fed, classes.fed);
+    if (dealii::Utilities::MPI::min(is_known ? 1 : 0, grid.communicator()) ==
+          0 &&
+        count(part, is_starved) > 0)
       {
         for (unsigned int field = 0; field < grid.fields().size(); ++field)
           keep_best_cells(stencils, part, threshold, grid, field, classes.fed);
@@ -355,6 +387,8 @@ namespace emmy
     return result;
   }
 
+  template struct NodeClasses<2>;
+  template struct NodeClasses<3>;
   template std::uint64_t
   class_changes<2>(const NodeClasses<2> &,
                    const NodeClasses<2> &,

@@ -40,8 +40,10 @@ namespace emmy
                               const PointArrays<dim>    &points,
                               const BackgroundGrid<dim> &grid)
   {
-    classes  = aggregation.classify(stencils, points, grid);
-    is_found = false;
+    NodeClasses<dim> now =
+      aggregation.classify(stencils, points, grid, classes);
+    is_found = is_found && now.same_nodes_as(classes);
+    classes  = std::move(now);
   }
 
   template <int dim>

@@ -349,12 +349,16 @@ namespace emmy
   Scene<dim>::occupancy() const
   {
     std::uint64_t sum = 0;
-    for (const auto &particle : particles)
+    for (auto particle = particles.begin(); particle != particles.end();)
       {
+        const auto    cell  = particle->get_surrounding_cell();
         std::uint64_t place = 0;
-        for (const auto i : grid.key_of(particle.get_surrounding_cell()))
+        for (const auto i : grid.key_of(cell))
           place = place * 0x9e3779b97f4a7c15 + i + 1;
-        sum += (particle.get_id() + 1) * place;
+        for (; particle != particles.end() &&
+               particle->get_surrounding_cell() == cell;
+             ++particle)
+          sum += (particle->get_id() + 1) * place;
       }
     return dealii::Utilities::MPI::sum(sum, grid.communicator());
   }

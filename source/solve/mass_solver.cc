@@ -67,12 +67,20 @@ namespace emmy
 
   template <int dim>
   void
-  MassSolver<dim>::share(Values &values) const
+  MassSolver<dim>::add_at_owners(Values &values) const
   {
-    double *const others =
-      values.data() + std::size_t(stride) * mass.grid().n_owned_nodes();
-    exchange.add(values.data(), stride, others);
-    exchange.update(values.data(), stride, others);
+    exchange.add(values.data(),
+                 stride,
+                 values.data() + stride * mass.grid().n_owned_nodes());
+  }
+
+  template <int dim>
+  void
+  MassSolver<dim>::tell_others(Values &values) const
+  {
+    exchange.update(values.data(),
+                    stride,
+                    values.data() + stride * mass.grid().n_owned_nodes());
   }
 
   template <int dim>
@@ -112,9 +120,9 @@ namespace emmy
               }
           }
       }
-    share(diagonal);
+    add_at_owners(diagonal);
     inverse.assign(diagonal.size(), 0.);
-    for (unsigned int i = 0; i < dim * graph.n_nodes(); ++i)
+    for (unsigned int i = 0; i < dim * mass.grid().n_owned_nodes(); ++i)
       if (is_free(i) && diagonal[at(i)] > 0.)
         inverse[at(i)] = 1. / diagonal[at(i)];
   }
@@ -150,7 +158,7 @@ namespace emmy
                                 });
             forces[at(i)] = 0.;
           }
-    share(forces);
+    add_at_owners(forces);
   }
 
   template <int dim>
@@ -217,7 +225,7 @@ namespace emmy
       {
         // with one sweep too many, and one sum over the ranks less each time
         mass.sweep(inverse, r, z);
-        share(z);
+        tell_others(z);
         const Components rz_before = rz;
         const auto [of_z, of_r]    = products(r, z, r);
         rz                         = of_z;

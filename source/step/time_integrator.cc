@@ -25,8 +25,10 @@ namespace emmy
   StepReport
   TimeIntegrator<dim>::initial_report()
   {
-    const Ground<dim>      ground = ground_at_start();
-    const ActiveGrid<dim> &active = renew_grid(ground);
+    const Ground<dim>      ground  = ground_at_start();
+    const ActiveGrid<dim> *on_grid = nullptr;
+    timed("particles to grid", [&] { on_grid = &renew_grid(ground); });
+    const ActiveGrid<dim> &active = *on_grid;
     StepReport             result;
     result.time_step = choose_step_size(setting.method,
                                         setting.limits,

@@ -170,6 +170,42 @@ namespace
                 "new and the left ones do not count");
   }
 
+  /** What is not looked for again is what would be found. */
+  void
+  check_classes_of_before()
+  {
+    using Point = dealii::Point<2>;
+    Filling<2>           body({12, 4});
+    const Aggregation<2> aggregation(0.2,
+                                     body.layout["mass"],
+                                     body.layout["reference_volume"]);
+    NodeClasses<2>       before;
+    const auto           check_next = [&](const unsigned int n_kept,
+                                const std::string &what) {
+      const auto stencils = LinearShapeFunctions<2>(body.layout["body"])
+                              .evaluate(body.particles, *body.grid);
+      const auto points = gather(stencils, body.layout);
+      const auto alone = aggregation.classify(stencils, points, *body.grid);
+      before = aggregation.classify(stencils, points, *body.grid, before);
+      test::check(before.same_nodes_as(alone) && alone.same_nodes_as(before) &&
+                    before.active == alone.active && before.n_kept == n_kept,
+                  what + ", as from nothing");
+    };
+    body.fill(Point(1, 1), Point(3.3, 3), 4);
+    check_next(0, "a sliver");
+    const auto sliver = before;
+    check_next(0, "the sliver again");
+    body.fill(Point(3.3, 1), Point(4, 3), 4);
+    check_next(0, "a block");
+    test::check(dealii::Utilities::MPI::max(before.same_nodes_as(sliver) ? 0
+                                                                         : 1,
+                                            MPI_COMM_WORLD) == 1,
+                "the block has other classes");
+    body.fill(Point(9, 3), Point(9.5, 3.5), 2);
+    check_next(4, "with a lone particle");
+    check_next(4, "with a lone particle again");
+  }
+
   void
   check_known_cases()
   {
@@ -262,6 +298,7 @@ namespace
           test::check(root[0] == 2u, "a node follows what its cells touch");
     }
     check_held_classes();
+    check_classes_of_before();
   }
 
   /** One particle in a cell: nodes follow cells twice as large. */
@@ -340,6 +377,14 @@ namespace
                    *cloud.grid,
                    *cloud.boundary_conditions,
                    couplings);
+    Couplings<dim> again_couplings;
+    starved.classify(stencils, gather(stencils, cloud.layout), *cloud.grid);
+    starved.couple(stencils,
+                   *cloud.grid,
+                   *cloud.boundary_conditions,
+                   again_couplings);
+    test::check(again_couplings.tied_nodes == couplings.tied_nodes,
+                what + ": with the same classes the same nodes follow");
     const ActiveGrid<dim> active(stencils,
                                  couplings,
                                  *cloud.grid,

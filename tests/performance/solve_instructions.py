@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Instructions that a rank takes for the linear solves of a step, part by part, for
+"""Instructions that a rank takes for a step and its linear solves, part by part, for
 the beam in space of prm/benchmarks; counted by callgrind, so on any busy machine. What
 it waits for other ranks counts too. For doc/performance.md.
 
   solve_instructions.py EMMY SOURCE_ROOT MPI_LAUNCHER [--ranks 1,2] [--cells 52]
+                        [--step 2]
 """
 import argparse
 import glob
@@ -15,8 +16,15 @@ import tempfile
 
 ENVIRONMENT = dict(os.environ, OMP_NUM_THREADS="1", DEAL_II_NUM_THREADS="1",
                    OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
+STEP = "Scene<3>::advance"
 # a part, and the functions that it is, with all that they call
-PARTS = [("residual and tangent", ["StepEquation<3>::evaluate"]),
+PARTS = [("step", [STEP]),
+         ("stencils, gather", ["TimeIntegrator<3>::ground_at_start"]),
+         ("particles to grid", ["Stepper<3>::renew_grid"]),
+         ("velocity from momentum", ["Stepper<3>::velocity_from_momentum"]),
+         ("accounts", ["Stepper<3>::move", "Stepper<3>::follow", "Stepper<3>::report"]),
+         ("grid to particles", ["TimeIntegrator<3>::accept"]),
+         ("residual and tangent", ["StepEquation<3>::evaluate"]),
          ("linear solve", ["Newton::Iteration::find_increment"]),
          ("- coarse level, made", ["CoarseBoxes<3>::make"]),
          ("- coarse level, applied", ["CoarseBoxes<3>::correct"]),
@@ -44,9 +52,10 @@ def run(arguments, n_ranks, work):
                                       arguments.cells * 3 // 4))
     command = [arguments.launcher, "--oversubscribe", "--mca", "mpi_yield_when_idle", "1", "-np",
                str(n_ranks), "valgrind", "--tool=callgrind", "--callgrind-out-file=count.%p",
+               f"--dump-after=emmy::{STEP}()",
                os.path.abspath(arguments.emmy),
                os.path.join(os.path.abspath(arguments.root), "prm/benchmarks/cantilever-3d.prm")]
-    for setting in [f"Grid/Cells={grid}", "Time/Maximum steps=1", "Output/Frames=0",
+    for setting in [f"Grid/Cells={grid}", f"Time/Maximum steps={arguments.step}", "Output/Frames=0",
                     "Output/Directory=run", "Time/Factor=15", "Method/Shape functions=linear",
                     "Method/Geometry=start"]:
         command += ["--set", setting]
@@ -54,7 +63,9 @@ def run(arguments, n_ranks, work):
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     if done.returncode != 0:
         sys.exit(f"FAILED: {' '.join(command)}\n{done.stdout.decode(errors='replace')}")
-    return [instructions(name) for name in sorted(glob.glob(os.path.join(work, "count.*")))]
+    # a file for each step; those of the last
+    names = sorted(glob.glob(os.path.join(work, f"count.*.{arguments.step}")))
+    return [instructions(name) for name in names]
 
 
 def main():
@@ -65,12 +76,13 @@ def main():
     parser.add_argument("--ranks", type=lambda text: [int(n) for n in text.split(",")],
                         default=[1, 2])
     parser.add_argument("--cells", type=int, default=52)
+    parser.add_argument("--step", type=int, default=2)
     arguments = parser.parse_args()
     found = []
     for n_ranks in arguments.ranks:
         with tempfile.TemporaryDirectory() as work:
             found.append(run(arguments, n_ranks, work))
-    print(f"| {arguments.cells} cells, one step, 1e6 instructions |"
+    print(f"| {arguments.cells} cells, step {arguments.step}, 1e6 instructions |"
           + "".join(f" {len(ranks)} ranks |" for ranks in found))
     print("|---" * (1 + len(found)) + "|")
     for part, functions in PARTS:

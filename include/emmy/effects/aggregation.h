@@ -36,6 +36,12 @@ namespace emmy
      * fed; sorted.
      */
     std::vector<std::pair<NodePlace<dim>, bool>> active;
+    /** The active cells of this rank. */
+    std::vector<ActiveCell<dim>> cells;
+
+    /** Whether this rank knows the same of the same grid's nodes. */
+    bool
+    same_nodes_as(const NodeClasses &other) const;
   };
 
   /**
@@ -136,8 +142,8 @@ namespace emmy
    * nor the partition, nor round-off.
    *
    * Owned by the effects. Cost in a step: a pass over the values of the
-   * stencils; where nodes starve, a pass over the active cells and one exchange
-   * between neighbours for each layer.
+   * stencils; where nodes starve, and others do than before, a pass over the
+   * active cells and one exchange between neighbours for each layer.
    */
   template <int dim>
   class Aggregation
@@ -151,11 +157,16 @@ namespace emmy
                 const unsigned int mass_component,
                 const unsigned int volume_component);
 
-    /** Which nodes are fed. Once in a step. Collective. */
+    /**
+     * Which nodes are fed. Once in a step. Collective.
+     * @param before of another time, or empty: what has not changed since is
+     *   not looked for again
+     */
     NodeClasses<dim>
     classify(const Stencils<dim>       &stencils,
              const PointArrays<dim>    &points,
-             const BackgroundGrid<dim> &grid) const;
+             const BackgroundGrid<dim> &grid,
+             const NodeClasses<dim>    &before = {}) const;
 
     /**
      * The followers among the nodes that stencils reach, which may be newer

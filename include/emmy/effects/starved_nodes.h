@@ -65,8 +65,8 @@ namespace emmy
     const Aggregation<dim> aggregation;
     NodeClasses<dim>       classes, classes_before; ///< of this step, the last
     Aggregates<dim>        found;
-    /** Of the stencils that it was found for; not known once classes are new.
-     */
+    /** Of the stencils that it was found for; not known once classes are
+     * others. */
     std::vector<dealii::types::global_dof_index> node_ids;
     std::vector<ActiveCell<dim>>                 active_cells;
     bool                                         is_found = false;

@@ -67,19 +67,22 @@ namespace emmy
 
     bool
     is_free(const unsigned int unknown) const;
-    /** Sum over the ranks. */
+    /** Owners get the sums of what all ranks have. */
     void
-    share(Values &values) const;
+    add_at_owners(Values &values) const;
+    /** Others get what owners have. */
+    void
+    tell_others(Values &values) const;
     /** Of C^T M C with the damping. */
     void
     find_diagonal(const std::vector<double> &damping);
     /** Followers from their roots. */
     void
     expand(Values &values) const;
-    /** C^T times forces, summed over the ranks. */
+    /** C^T times forces, of owned nodes summed over the ranks. */
     void
     condense(Values &forces) const;
-    /** b - M x, condensed. */
+    /** b - M x, condensed; of owned nodes. */
     Values
     residual(const Values &x, const Values &b) const;
     /** a . b and a . c, by component. Collective. */
@@ -104,7 +107,8 @@ namespace emmy
     const NodeGraph<dim>   &graph;
     const Conditions        conditions;
     const NodeExchange      exchange;
-    /** One over the diagonal; zero for unknowns that are not free. */
+    /** One over the diagonal, of owned nodes; zero for unknowns that are not
+     * free. */
     Values inverse;
   };
 } // namespace emmy
