@@ -89,6 +89,7 @@ namespace emmy
       make()
       {
         LinearResult result;
+        pattern.reset(); // else an old one would stand beside the new
         try
           {
             preconditioner->make(*matrix, places);

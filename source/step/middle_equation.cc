@@ -63,8 +63,8 @@ namespace emmy
       agree_on_problem(start.rules.grid.communicator(), problem_of(places));
     if (!found.empty())
       return;
-    const auto before = active;
-    auto       next   = std::make_unique<Ground<dim>>();
+    auto before = active;
+    auto next   = std::make_unique<Ground<dim>>();
     {
       const auto timed = start.phases->scope("stencils");
       next->stencils =
@@ -75,16 +75,19 @@ namespace emmy
     const bool has_order =
       current && next->stencils.order == current->stencils.order;
     std::optional<PointArrays<dim>> trial;
-    if (has_order)
+    if (current)
       {
         trial        = std::move(step_equation->trial());
         next->points = std::move(current->points);
       }
-    else
+    if (!has_order)
       {
         const auto timed = start.phases->scope("gather");
-        next->points     = reordered(start.states, next->stencils);
+        gather(next->stencils, start.rules.layout, next->points);
+        if (trial)
+          *trial = next->points;
       }
+    moving.reset(); // before there is more
     renew_nodes(*next);
     active = on_grid->active;
     if (solution && before != active)
@@ -95,11 +98,11 @@ namespace emmy
         *increment =
           active->carried_over(*before, *increment, active->make_vector());
       }
-    moving = is_frozen
-               ? nullptr
-               : std::make_unique<MovingPlaces<dim>>(start.rules, places);
+    before.reset();
     step_equation.reset();
-    current                   = std::move(next);
+    current = std::move(next);
+    if (!is_frozen)
+      moving = std::make_unique<MovingPlaces<dim>>(start.rules, places);
     const auto          timed = start.phases->scope("loads and matrices");
     const StepData<dim> step{current->stencils,
                              current->points,

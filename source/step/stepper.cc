@@ -257,13 +257,15 @@ namespace emmy
     });
     Places<dim> places =
       method.shape_functions.places(state.particles, setting.grid);
-    PointArrays<dim> states =
-      timed("gather", [&] { return gather(places, setting.layout); });
-    places = method.middle->first(std::move(places),
-                                  states,
-                                  solution.time_step,
-                                  method.domain_update,
-                                  setting.grid);
+    {
+      const PointArrays<dim> states =
+        timed("gather", [&] { return gather(places, setting.layout); });
+      places = method.middle->first(std::move(places),
+                                    states,
+                                    solution.time_step,
+                                    method.domain_update,
+                                    setting.grid);
+    }
     const PlaceRules<dim> rules{method.shape_functions,
                                 method.domain_update,
                                 setting.grid,
@@ -274,7 +276,6 @@ namespace emmy
                                           method.balance,
                                           setting.boundary_conditions,
                                           particles_to_grid,
-                                          std::move(states),
                                           state.time,
                                           solution.time_step,
                                           method.geometry_tolerance,

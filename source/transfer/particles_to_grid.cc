@@ -5,13 +5,15 @@ namespace emmy
   namespace
   {
     template <int dim>
-    PointArrays<dim>
+    void
     gather_in_order(
       const std::vector<dealii::Particles::ParticleIterator<dim>> &particles,
-      const FieldLayout                                           &layout)
+      const FieldLayout                                           &layout,
+      PointArrays<dim>                                            &points)
     {
       const unsigned int n_components = layout.n_components();
-      PointArrays<dim>   points(particles.size(), n_components);
+      if (points.n_points() != particles.size())
+        points = PointArrays<dim>(particles.size(), n_components);
       for (std::size_t p = 0; p < points.n_points(); ++p)
         {
           const auto &particle   = *particles[p];
@@ -21,7 +23,6 @@ namespace emmy
           for (unsigned int c = 0; c < n_components; ++c)
             points.component(c)[p] = properties[c];
         }
-      return points;
     }
   } // namespace
 
@@ -29,29 +30,26 @@ namespace emmy
   PointArrays<dim>
   gather(const Stencils<dim> &stencils, const FieldLayout &layout)
   {
-    return gather_in_order<dim>(stencils.particles, layout);
+    PointArrays<dim> points;
+    gather(stencils, layout, points);
+    return points;
+  }
+
+  template <int dim>
+  void
+  gather(const Stencils<dim> &stencils,
+         const FieldLayout   &layout,
+         PointArrays<dim>    &points)
+  {
+    gather_in_order<dim>(stencils.particles, layout, points);
   }
 
   template <int dim>
   PointArrays<dim>
   gather(const Places<dim> &places, const FieldLayout &layout)
   {
-    return gather_in_order<dim>(places.particles, layout);
-  }
-
-  template <int dim>
-  PointArrays<dim>
-  reordered(const PointArrays<dim> &states, const Stencils<dim> &stencils)
-  {
-    PointArrays<dim> points(states.n_points(), states.n_components());
-    const auto       copy = [&](const double *from, double *to) {
-      for (std::size_t p = 0; p < points.n_points(); ++p)
-        to[p] = from[stencils.order[p]];
-    };
-    for (unsigned int d = 0; d < dim; ++d)
-      copy(states.position(d), points.position(d));
-    for (unsigned int c = 0; c < states.n_components(); ++c)
-      copy(states.component(c), points.component(c));
+    PointArrays<dim> points;
+    gather_in_order<dim>(places.particles, layout, points);
     return points;
   }
 
@@ -110,6 +108,7 @@ namespace emmy
     start.hand_out_mass = couplings.hand_out_mass;
     if (!start.active || !start.active->fits(stencils, couplings))
       {
+        start.mass   = {}; // it holds the grid before
         start.active = std::make_shared<const ActiveGrid<dim>>(
           stencils,
           couplings,
@@ -223,14 +222,14 @@ namespace emmy
   gather<2>(const Stencils<2> &, const FieldLayout &);
   template PointArrays<3>
   gather<3>(const Stencils<3> &, const FieldLayout &);
+  template void
+  gather<2>(const Stencils<2> &, const FieldLayout &, PointArrays<2> &);
   template PointArrays<2>
   gather<2>(const Places<2> &, const FieldLayout &);
+  template void
+  gather<3>(const Stencils<3> &, const FieldLayout &, PointArrays<3> &);
   template PointArrays<3>
   gather<3>(const Places<3> &, const FieldLayout &);
-  template PointArrays<2>
-  reordered<2>(const PointArrays<2> &, const Stencils<2> &);
-  template PointArrays<3>
-  reordered<3>(const PointArrays<3> &, const Stencils<3> &);
   template std::vector<double>
   lumped_mass<2>(const GridStart<2> &);
   template std::vector<double>

@@ -125,8 +125,8 @@ namespace emmy
         scene.advance();
       Places<dim> places =
         scene.shape_functions->places(scene.particles, scene.grid);
-      PointArrays<dim> states = gather(places, scene.layout);
-      places                  = scene.middle->first(
+      const PointArrays<dim> states = gather(places, scene.layout);
+      places                        = scene.middle->first(
         std::move(places), states, 0.04, scene.domain_update.get(), scene.grid);
       ParticlesToGrid<dim> to_grid(scene.grid,
                                    scene.boundary_conditions,
@@ -140,7 +140,6 @@ namespace emmy
                                      scene.balance,
                                      scene.boundary_conditions,
                                      to_grid,
-                                     std::move(states),
                                      scene.state.time,
                                      0.04,
                                      1e-8,

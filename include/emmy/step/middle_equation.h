@@ -30,14 +30,16 @@ namespace emmy
       const BoundaryConditions<dim> &boundary_conditions; ///< of the scene
       /** Made anew at each place. */
       ParticlesToGrid<dim> &particles_to_grid;
-      PointArrays<dim>      states; ///< at t, in the order of places
       /** Start and size of the step, s. */
       double  time, time_step;
       double  tolerance; ///< of places, in cells
       Phases *phases;    ///< where the time goes
     };
 
-    /** @param guess the first places. Collective. */
+    /**
+     * @param guess the first places, of particles in their states at t, which
+     *   stay as they are. Collective.
+     */
     MiddleEquation(Start start, Places<dim> guess);
 
     /** Where Newton starts, numbered as the unknowns are now. Collective. */

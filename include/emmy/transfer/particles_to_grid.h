@@ -15,15 +15,17 @@ namespace emmy
   PointArrays<dim>
   gather(const Stencils<dim> &stencils, const FieldLayout &layout);
 
+  /** The same into arrays, which are made anew if their size is another. */
+  template <int dim>
+  void
+  gather(const Stencils<dim> &stencils,
+         const FieldLayout   &layout,
+         PointArrays<dim>    &points);
+
   /** The same in the order of the places. */
   template <int dim>
   PointArrays<dim>
   gather(const Places<dim> &places, const FieldLayout &layout);
-
-  /** States in the order of the places, in the order of stencils. */
-  template <int dim>
-  PointArrays<dim>
-  reordered(const PointArrays<dim> &states, const Stencils<dim> &stencils);
 
   /** The points of a step and the nodes that they talk to. */
   template <int dim>
