@@ -214,6 +214,11 @@ namespace emmy
      * failed in this run, since LU of a large matrix in space takes as long as
      * hundreds of iterations. Matrices that are too large to
      * factorise are left to GMRES alone.
+     *
+     * A sequence that goes on is a hard one: near a singular matrix Newton
+     * needs more digits of its increments, in directions that the norm of the
+     * residual does not see. So LU takes the matrices after the fifth, where it
+     * is about as fast.
      */
     class AutomaticSolver : public LinearSolver
     {
@@ -225,6 +230,7 @@ namespace emmy
         : krylov("GMRES", preconditioner, n_components, 300)
         , direct(n_components, empty_pairs)
         , largest_direct(largest_direct_size(n_components))
+        , largest_hard(n_components == 2 ? 60000 : 1000)
         , state(state_of_run ? *state_of_run : own_state)
       {}
 
@@ -232,6 +238,8 @@ namespace emmy
       begin_sequence() override
       {
         krylov.begin_sequence();
+        direct.begin_sequence();
+        n_matrices = 0;
       }
 
       LinearResult
@@ -242,10 +250,11 @@ namespace emmy
         first_norm = 0.;
         is_direct  = state.n_direct_left > 0;
         if (is_direct)
-          {
-            --state.n_direct_left;
-            return direct.prepare(*matrix);
-          }
+          --state.n_direct_left;
+        else if (++n_matrices > most_easy)
+          is_direct = matrix->m() <= largest_hard;
+        if (is_direct)
+          return direct.prepare(*matrix);
         const LinearResult result = krylov.prepare(*matrix, places);
         return result.is_solved ? result : fall_back(result);
       }
@@ -267,7 +276,12 @@ namespace emmy
       {
         if (is_direct)
           return direct.solve(x, b, tolerance);
-        LinearResult result = krylov.solve(x, b, tolerance);
+        LinearResult result =
+          krylov.solve(x,
+                       b,
+                       matrix->m() <= largest_hard
+                         ? std::min(tolerance, digits_for_lu)
+                         : tolerance);
         // a refinement that stalls near round-off is no failure
         const double norm          = b.l2_norm();
         const bool   is_refinement = norm < 1e-3 * first_norm;
@@ -307,10 +321,17 @@ namespace emmy
         return direct.prepare(*matrix);
       }
 
-      KrylovSolver        krylov;
-      DirectSolver        direct;
+      KrylovSolver krylov;
+      DirectSolver direct;
+      /** What GMRES leaves where it stands for LU, as 2 |r| / |b|. */
+      static constexpr double digits_for_lu = 1e-8;
+      /** Matrices of a sequence that GMRES gets. */
+      static constexpr unsigned int most_easy = 5;
+
       const std::uint64_t largest_direct;
+      const std::uint64_t largest_hard; ///< unknowns of a hard sequence for LU
       const Matrix       *matrix     = nullptr;
+      unsigned int        n_matrices = 0;  ///< of this sequence
       double              first_norm = 0.; ///< of b since prepare()
       bool                is_direct  = false;
       LinearSolverState   own_state;

@@ -32,17 +32,6 @@ namespace emmy
     constexpr double largest_size = 0.3;
 
     /**
-     * The plain try is given up when this many increments have made |r| ten
-     * times as large. A nearly free rotation throws it back again and again;
-     * the damped try then needs few iterations.
-     */
-    constexpr unsigned int most_leaps = 12;
-
-    /** The damped try is given up when as many increments have not halved what
-     * it measures: what is left is a free rotation's, which matters. */
-    constexpr unsigned int most_in_vain = 15;
-
-    /**
      * The least damping, of both tries. A node that few particles reach can
      * have directions that neither inertia nor stress resists beyond
      * round-off; this keeps increments there finite.
@@ -151,17 +140,11 @@ namespace emmy
     {
       if (result.iterations < newton.maximum_iterations)
         return true;
-      give_up("");
+      result.problem =
+        "not converged in " + std::to_string(newton.maximum_iterations) +
+        " iterations; |r| went from " + brief(result.residual_history.front()) +
+        " to " + brief(norm) + " N";
       return false;
-    }
-
-    void
-    give_up(const std::string &why)
-    {
-      result.problem = "not converged in " + std::to_string(result.iterations) +
-                       " iterations; |r| went from " +
-                       brief(result.residual_history.front()) + " to " +
-                       brief(norm) + " N" + why;
     }
 
     /**
@@ -268,7 +251,6 @@ namespace emmy
     {
       const double norm_before = norm;
       norm                     = equation.system().residual.l2_norm();
-      n_leaps += norm > 10. * norm_before;
       result.residual_history.push_back(norm);
       newton.phases.tell("Newton iteration " +
                          std::to_string(result.iterations) +
@@ -330,7 +312,6 @@ namespace emmy
     NewtonResult       result;
     bool               has_jacobian = false; ///< of the solution
     double             norm         = 0.;    ///< |r|
-    unsigned int       n_leaps      = 0;     ///< how often it rose tenfold
     double             reference    = 0.;    ///< for sum |r||du|
   };
 
@@ -415,8 +396,6 @@ namespace emmy
             iteration.result.is_converged = true;
             return;
           }
-        if (iteration.n_leaps == most_leaps)
-          return iteration.give_up(", with leaps up");
         if (!iteration.has_jacobian)
           iteration.evaluate();
       }
@@ -430,9 +409,7 @@ namespace emmy
     NonlinearEquation &equation = iteration.equation;
     const Vector       diagonal =
       diagonal_of(equation.system().jacobian, iteration.solution);
-    double       measure = scaled_norm(equation.system().residual, diagonal);
-    double       halved_last = measure;
-    unsigned int n_in_vain   = 0;
+    double measure = scaled_norm(equation.system().residual, diagonal);
     for (double mu = first_damping; iteration.may_go_on();)
       {
         if (!iteration.find_increment(mu))
@@ -457,10 +434,6 @@ namespace emmy
             iteration.result.is_converged = iteration.result.leaves_rest = true;
             return;
           }
-        n_in_vain   = measure > 0.5 * halved_last ? n_in_vain + 1 : 0;
-        halved_last = n_in_vain > 0 ? halved_last : measure;
-        if (n_in_vain == most_in_vain)
-          return iteration.give_up(", where it stays");
         mu = is_better ? std::max(least_damping, 0.1 * mu)
                        : std::min(1., 100. * mu);
       }

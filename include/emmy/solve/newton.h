@@ -43,8 +43,7 @@ namespace emmy
    * the round-off of the evaluation, and it is content if |r| is below 1e-8
    * of the forces and its work below 1e-8 of theirs. An increment whose
    * size() is above 0.3 is found again with a more strongly damped matrix; one
-   * that leaves the equation without meaning is halved, at most six times. The
-   * try ends when twelve increments have made |r| ten times as large.
+   * that leaves the equation without meaning is halved, at most six times.
    *
    * If it fails, the matrix is most often singular: a particle alone among new
    * nodes has no stress, and then nothing resists its rotation but a torque
