@@ -323,7 +323,7 @@ namespace emmy
 
       KrylovSolver krylov;
       DirectSolver direct;
-      /** What GMRES leaves where it stands for LU, as 2 |r| / |b|. */
+      /** What GMRES leaves where it stands for LU, as |r| / |b|. */
       static constexpr double digits_for_lu = 1e-8;
       /** Matrices of a sequence that GMRES gets. */
       static constexpr unsigned int most_easy = 5;
