@@ -258,7 +258,7 @@ namespace
       {
         const std::string name = is_mass ? "scaled" : "as it is";
         const auto        direct =
-          make_linear_solver(SolverParameters(), 900, n_components);
+          make_linear_solver(SolverParameters(), 300, n_components);
         Vector x(b);
         x = 0.;
         check((is_mass ? direct->prepare_mass(uneven) : direct->prepare(uneven))
@@ -349,6 +349,63 @@ namespace
               name + ": solution");
       }
   }
+
+  /**
+   * Factors serve for matrices of a sequence that are near, also when theirs is
+   * gone; for those that are not, there are others.
+   */
+  void
+  check_kept_factors()
+  {
+    const auto solver =
+      make_linear_solver(SolverParameters(), 300, n_components);
+    auto         matrix = std::make_unique<Matrix>();
+    const Matrix first  = mass_of_hats(one);
+    const Vector b      = make_vector(first, wave);
+    NodePlaces   places;
+    Vector       x(b), residual(b);
+    solver->begin_sequence();
+    for (const double change : {0., 1e-3, 1e3})
+      {
+        auto next = std::make_unique<Matrix>();
+        next->reinit(first);
+        next->copy_from(first);
+        for (const auto i : next->locally_owned_range_indices())
+          next->add(i, i, change * (1. + wave(i)));
+        next->compress(dealii::VectorOperation::add);
+        matrix = std::move(next); // that of the factors is gone
+        check(solver->prepare(*matrix, &places).is_solved &&
+                solver->solve(x, b, 1.).is_solved,
+              "sequence: solved");
+        check(matrix->residual(residual, x, b) < 2e-12 * b.l2_norm(),
+              "sequence: to round-off, change " + std::to_string(change));
+      }
+  }
+
+  /** Where LU is not dear it takes the sixth matrix of a sequence. */
+  void
+  check_long_sequence()
+  {
+    if (dealii::Utilities::MPI::n_mpi_processes(world) > 2)
+      return; // else parts have no whole nodes of two unknowns
+    const auto   solver = make_linear_solver(SolverParameters(), n, 2);
+    const Matrix matrix = mass_of_hats(one);
+    const Vector b      = make_vector(matrix, wave);
+    Vector       x(b), residual(b);
+    for (unsigned int sequence = 0; sequence < 2; ++sequence)
+      {
+        solver->begin_sequence();
+        for (unsigned int k = 0; k < 7; ++k)
+          {
+            solver->prepare(matrix);
+            const LinearResult result = solver->solve(x, b, 0.1);
+            check(result.is_solved && (result.iterations == 0) == (k >= 5),
+                  "long sequence: LU from the sixth matrix on, not before");
+            check(matrix.residual(residual, x, b) <= 1e-8 * b.l2_norm(),
+                  "where LU is not dear GMRES goes to 1e-8");
+          }
+      }
+  }
 } // namespace
 
 int
@@ -360,5 +417,7 @@ main(int argc, char *argv[])
   check_singular();
   check_scaling();
   check_empty_pairs();
+  check_kept_factors();
+  check_long_sequence();
   return test::report();
 }
