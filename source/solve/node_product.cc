@@ -27,32 +27,42 @@ namespace emmy
       double              *y;
     };
 
+    /**
+     * One row after the other, as they lie in memory: processors foresee one
+     * stream of numbers, and three that are 600 bytes apart come at half its
+     * speed.
+     */
     template <int dim>
     EMMY_INLINE void
     multiply_rows(const Product<dim> &at)
     {
-      using Numbers = typename NodeNumbers<dim>::type;
+      using Numbers                = typename NodeNumbers<dim>::type;
+      constexpr unsigned int ahead = 1024 / sizeof(double);
+      constexpr std::size_t  pair  = 2;
       for (unsigned int node = 0; node < at.n_nodes; ++node)
         {
-          const unsigned int *const neighbours = at.nodes + at.first[node];
-          const std::size_t         n    = at.first[node + 1] - at.first[node];
-          const double *const      *rows = at.rows + dim * node;
-          Numbers                   sums[dim]{};
-          for (std::size_t k = 0; k + 1 < n; ++k)
-            {
-              const Numbers x = read_node<dim>(at.x + dim * neighbours[k]);
-              for (unsigned int c = 0; c < dim; ++c)
-                sums[c] += read_node<dim>(rows[c] + dim * k) * x;
-            }
+          const unsigned int *const nodes = at.nodes + at.first[node];
+          const std::size_t         n     = at.first[node + 1] - at.first[node];
           for (unsigned int c = 0; c < dim; ++c)
             {
+              const double *const row = at.rows[dim * node + c];
+              Numbers             sums[2]{};
+              std::size_t         k = 0;
+              // behind the last block there may be nothing to read
+              for (; k + pair < n; k += pair)
+                {
+                  __builtin_prefetch(row + dim * k + ahead);
+                  sums[0] += read_node<dim>(row + dim * k) *
+                             read_node<dim>(at.x + dim * nodes[k]);
+                  sums[1] += read_node<dim>(row + dim * (k + 1)) *
+                             read_node<dim>(at.x + dim * nodes[k + 1]);
+                }
               double sum = 0.;
               for (unsigned int d = 0; d < dim; ++d)
-                sum += sums[c][d];
-              // behind the last block there may be nothing to read
-              for (unsigned int d = 0; n > 0 && d < dim; ++d)
-                sum += rows[c][dim * (n - 1) + d] *
-                       at.x[dim * neighbours[n - 1] + d];
+                sum += sums[0][d] + sums[1][d];
+              for (; k < n; ++k)
+                for (unsigned int d = 0; d < dim; ++d)
+                  sum += row[dim * k + d] * at.x[dim * nodes[k] + d];
               at.y[dim * node + c] = sum;
             }
         }
