@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 namespace emmy
 {
@@ -40,48 +41,66 @@ namespace emmy
     /** Where the damped try starts. */
     constexpr double first_damping = 1e-5;
 
-    /** Calls use(entry) for those on the diagonal of this rank's rows. */
-    template <class Use>
-    void
-    for_each_on_diagonal(const Matrix &matrix, const Use &use)
+    /** Where the diagonal stands in this rank's rows: looked for once. */
+    class Diagonal
     {
-      const Epetra_CrsMatrix &entries = matrix.trilinos_matrix();
-      for (int row = 0; row < entries.NumMyRows(); ++row)
-        {
-          int     length, *columns;
-          double *values;
-          entries.ExtractMyRowView(row, length, values, columns);
-          const int *const end = columns + length;
-          const int *const place =
-            std::find(static_cast<const int *>(columns),
-                      end,
-                      entries.ColMap().LID(entries.RowMap().GID(row)));
-          AssertThrow(place != end,
-                      dealii::ExcMessage("A row has no diagonal."));
-          use(values[place - columns]);
-        }
-    }
+    public:
+      /** Calls use(entry) for each of its entries. */
+      template <class Use>
+      void
+      for_each(const Matrix &matrix, const Use &use)
+      {
+        const Epetra_CrsMatrix &entries = matrix.trilinos_matrix();
+        if (!graph || graph->DataPtr() != entries.Graph().DataPtr())
+          find(entries);
+        for (std::size_t row = 0; row < places.size(); ++row)
+          use(entries[row][places[row]]);
+      }
 
-    /** The sizes of a matrix's diagonal. */
-    Vector
-    diagonal_of(const Matrix &matrix, const Vector &like)
-    {
-      Vector result = like;
-      auto   entry  = result.begin();
-      for_each_on_diagonal(matrix, [&entry](const double value) {
-        *entry++ = std::abs(value);
-      });
-      return result;
-    }
+      /** The sizes of its entries. */
+      Vector
+      sizes(const Matrix &matrix, const Vector &like)
+      {
+        Vector result = like;
+        auto   entry  = result.begin();
+        for_each(matrix,
+                 [&entry](const double value) { *entry++ = std::abs(value); });
+        return result;
+      }
 
-    /** Raise the diagonal by a fraction. */
-    void
-    damp(const double mu, Matrix &matrix)
-    {
-      for_each_on_diagonal(matrix, [mu](double &value) {
-        value += mu * std::abs(value);
-      });
-    }
+      /** Raise it by a fraction. */
+      void
+      damp(const double mu, Matrix &matrix)
+      {
+        for_each(matrix,
+                 [mu](double &value) { value += mu * std::abs(value); });
+      }
+
+    private:
+      void
+      find(const Epetra_CrsMatrix &entries)
+      {
+        // a copy shares what it has: no other pattern can have its place
+        graph = std::make_unique<const Epetra_CrsGraph>(entries.Graph());
+        places.clear();
+        for (int row = 0; row < graph->NumMyRows(); ++row)
+          {
+            int length, *columns;
+            graph->ExtractMyRowView(row, length, columns);
+            int *const end = columns + length;
+            int *const place =
+              std::find(columns,
+                        end,
+                        graph->ColMap().LID(graph->RowMap().GID(row)));
+            AssertThrow(place != end,
+                        dealii::ExcMessage("A row has no diagonal."));
+            places.push_back(place - columns);
+          }
+      }
+
+      std::unique_ptr<const Epetra_CrsGraph> graph;
+      std::vector<int>                       places;
+    };
 
     /** sqrt(sum r_i^2 / d_i): every node counts alike. Collective. */
     double
@@ -156,7 +175,7 @@ namespace emmy
     find_increment(const double mu)
     {
       const auto scope = newton.phases.scope("linear solve");
-      damp(mu, equation.system().jacobian);
+      diagonal.damp(mu, equation.system().jacobian);
       // moved, not copied into: unknowns may be numbered anew
       right_side = Vector(equation.system().reduced_residual);
       right_side *= -1.;
@@ -309,6 +328,7 @@ namespace emmy
     NonlinearEquation &equation;
     Vector            &solution;
     Vector             increment, right_side;
+    Diagonal           diagonal; ///< of the jacobian
     NewtonResult       result;
     bool               has_jacobian = false; ///< of the solution
     double             norm         = 0.;    ///< |r|
@@ -408,7 +428,7 @@ namespace emmy
       return;
     NonlinearEquation &equation = iteration.equation;
     const Vector       diagonal =
-      diagonal_of(equation.system().jacobian, iteration.solution);
+      iteration.diagonal.sizes(equation.system().jacobian, iteration.solution);
     double measure = scaled_norm(equation.system().residual, diagonal);
     for (double mu = first_damping; iteration.may_go_on();)
       {
