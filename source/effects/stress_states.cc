@@ -322,57 +322,6 @@ namespace emmy
     return entries;
   }
 
-  namespace
-  {
-    /**
-     * Call function(n) with the number of points of a part; where there is but
-     * one, as a constant: loops over points are none then.
-     */
-    template <class Function>
-    void
-    with_number(const unsigned int n_points, const Function &function)
-    {
-      if (n_points == 1)
-        function(std::integral_constant<unsigned int, 1>());
-      else
-        function(n_points);
-    }
-  } // namespace
-
-  template <int dim>
-  void
-  displacement_gradients(const PointBatch<dim>     &points,
-                         const ActiveGrid<dim>     &active,
-                         const std::vector<double> &displacement,
-                         StressBatch<dim>          &batch)
-  {
-    batch.n_points = points.n_points;
-    for (const auto &part : points.parts)
-      with_number(part.n_points, [&](const auto n_points) {
-        // component by component, so that the loops over points vectorise
-        double sum[dim][dim][max_batch_points];
-        for (unsigned int ij = 0; ij < dim * dim; ++ij)
-          std::fill_n(sum[ij / dim][ij % dim], +n_points, 0.);
-        const unsigned int *nodes = active.nodes(*part.group);
-        for (unsigned int a = 0; a < part.group->n_nodes; ++a)
-          {
-            const double *u = displacement.data() + dim * nodes[a];
-            for (unsigned int j = 0; j < dim; ++j)
-              {
-                const double *slope =
-                  points.stencils.gradient(*part.group, a, j) + part.first;
-                for (unsigned int i = 0; i < dim; ++i)
-                  for (unsigned int q = 0; q < n_points; ++q)
-                    sum[i][j][q] += u[i] * slope[q];
-              }
-          }
-        for (unsigned int q = 0; q < n_points; ++q)
-          for (unsigned int i = 0; i < dim; ++i)
-            for (unsigned int j = 0; j < dim; ++j)
-              batch.displacement_gradient[part.at + q][i][j] = sum[i][j][q];
-      });
-  }
-
   template <int dim>
   std::string
   inverted_particle(const Stencils<dim> &stencils, const std::size_t point)
@@ -384,54 +333,10 @@ namespace emmy
            "gradient is not positive)";
   }
 
-  template <int dim>
-  void
-  add_forces(const PointBatch<dim>  &points,
-             const ActiveGrid<dim>  &active,
-             const double           *volumes,
-             const StressBatch<dim> &batch,
-             std::vector<double>    &force)
-  {
-    for (const auto &part : points.parts)
-      with_number(part.n_points, [&](const auto n_points) {
-        double        stress[dim][dim][max_batch_points]; // times volume
-        const double *volume = volumes + points.first_point + part.at;
-        for (unsigned int q = 0; q < n_points; ++q)
-          for (unsigned int i = 0; i < dim; ++i)
-            for (unsigned int j = 0; j < dim; ++j)
-              stress[i][j][q] =
-                volume[q] * batch.nominal_stress[part.at + q][i][j];
-        const unsigned int *nodes = active.nodes(*part.group);
-        for (unsigned int a = 0; a < part.group->n_nodes; ++a)
-          {
-            dealii::Tensor<1, dim> sum;
-            for (unsigned int j = 0; j < dim; ++j)
-              {
-                const double *slope =
-                  points.stencils.gradient(*part.group, a, j) + part.first;
-                for (unsigned int q = 0; q < n_points; ++q)
-                  for (unsigned int i = 0; i < dim; ++i)
-                    sum[i] += stress[i][j][q] * slope[q];
-              }
-            for (unsigned int i = 0; i < dim; ++i)
-              force[unknown<dim>(nodes[a], i)] += sum[i];
-          }
-      });
-  }
-
-#define INSTANTIATE(dim)                                                        \
-  template class StressStates<dim>;                                             \
-  template void        displacement_gradients<dim>(const PointBatch<dim> &,     \
-                                            const ActiveGrid<dim> &,     \
-                                            const std::vector<double> &, \
-                                            StressBatch<dim> &);         \
-  template std::string inverted_particle<dim>(const Stencils<dim> &,            \
-                                              const std::size_t);               \
-  template void        add_forces<dim>(const PointBatch<dim> &,                 \
-                                const ActiveGrid<dim> &,                 \
-                                const double *,                          \
-                                const StressBatch<dim> &,                \
-                                std::vector<double> &);
+#define INSTANTIATE(dim)                                             \
+  template class StressStates<dim>;                                  \
+  template std::string inverted_particle<dim>(const Stencils<dim> &, \
+                                              const std::size_t);
   INSTANTIATE(2)
   INSTANTIATE(3)
 #undef INSTANTIATE

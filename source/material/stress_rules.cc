@@ -1,6 +1,7 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/material/conserving_stress.h>
 #include <emmy/material/static_stress.h>
+#include <emmy/material/strain_update.h>
 #include <emmy/math/kinematics.h>
 
 #include <memory>
@@ -19,17 +20,14 @@ namespace emmy
     /** Whether a point of the batch strains less than that. */
     template <int dim>
     bool
-    has_small_step(const StressBatch<dim>  &batch,
+    has_small_step(const unsigned int       n_points,
+                   const double            *squares_of_change,
                    const MandelVector<dim> *elastic_old)
     {
-      for (unsigned int p = 0; p < batch.n_points; ++p)
-        {
-          const auto &H = batch.displacement_gradient[p];
-          const auto A = mandel::symmetric_part<dim>(2. * H + transpose(H) * H);
-          if (A.norm_square() < largest_small_step * largest_small_step *
-                                  elastic_old[p].norm_square())
-            return true;
-        }
+      for (unsigned int p = 0; p < n_points; ++p)
+        if (squares_of_change[p] < largest_small_step * largest_small_step *
+                                     elastic_old[p].norm_square())
+          return true;
       return false;
     }
   } // namespace
@@ -40,31 +38,35 @@ namespace emmy
                 StressBatch<dim>    &batch,
                 const bool           with_energy_change)
   {
-    const dealii::Tensor<2, dim> I = dealii::unit_symmetric_tensor<dim>();
-    const auto                  &elastic_old = batch.is_inelastic
-                                                 ? batch.elastic_left_cauchy_green_less_unit_old
-                                                 : batch.left_cauchy_green_less_unit_old;
-    batch.material.n_points                  = batch.n_points;
-    batch.material.with_tangent              = batch.with_tangent;
+    typename StressBatch<dim>::template PerPoint<double> determinants, squares;
+
+    const dealii::Tensor<2, dim> *H = batch.displacement_gradient.data();
+    const MandelVector<dim>      *elastic_old =
+      (batch.is_inelastic ? batch.elastic_left_cauchy_green_less_unit_old
+                          : batch.left_cauchy_green_less_unit_old)
+        .data();
+    const StrainMeasures measures{determinants.data(), squares.data()};
+    if (batch.is_inelastic)
+      update_strains<dim>(H,
+                          batch.left_cauchy_green_less_unit_old.data(),
+                          batch.n_points,
+                          batch.left_cauchy_green_less_unit.data(),
+                          measures);
+    update_strains<dim>(H,
+                        elastic_old,
+                        batch.n_points,
+                        batch.material.left_cauchy_green_less_unit.data(),
+                        measures);
+    for (unsigned int p = 0; p < batch.n_points; ++p)
+      if (!(determinants[p] > 0.)) // also catches NaN
+        return p;
+
+    batch.material.n_points     = batch.n_points;
+    batch.material.with_tangent = batch.with_tangent;
     batch.material.with_energy_change =
       with_energy_change && material.gives_energy_change() &&
-      has_small_step(batch, elastic_old.data());
-    batch.material.step = {batch.displacement_gradient.data(),
-                           elastic_old.data(),
-                           batch.kirchhoff_stress_old.data()};
-    for (unsigned int p = 0; p < batch.n_points; ++p)
-      {
-        const dealii::Tensor<2, dim> &H = batch.displacement_gradient[p];
-        // also catches NaN
-        if (!(dealii::determinant(I + H) > 0.))
-          return p;
-        batch.material.left_cauchy_green_less_unit[p] =
-          left_cauchy_green_less_unit<dim>(H, elastic_old[p]);
-        if (batch.is_inelastic)
-          batch.left_cauchy_green_less_unit[p] =
-            left_cauchy_green_less_unit<dim>(
-              H, batch.left_cauchy_green_less_unit_old[p]);
-      }
+      has_small_step<dim>(batch.n_points, squares.data(), elastic_old);
+    batch.material.step = {H, elastic_old, batch.kirchhoff_stress_old.data()};
     material.evaluate(batch.material);
     return batch.n_points;
   }
