@@ -4,6 +4,7 @@
 #include <emmy/output/gnuplot.h>
 
 #include <cstdio>
+#include <filesystem>
 
 #include "../scene.h"
 
@@ -262,6 +263,7 @@ namespace emmy
     Suite::write(const std::string &folder)
     {
       close_case();
+      std::filesystem::create_directories(folder + "/pictures");
       std::ofstream(folder + "/stability.md")
         << "# What hard cases do\n\n"
            "Printed by `build/tests/test_stability all --write doc`; `ctest -L "
