@@ -276,7 +276,6 @@ namespace emmy
         place_of_node[neighbours[k]] = k;
         marked_by[neighbours[k]]     = node;
       }
-    node_places.clear();
     for (unsigned int b = 0; b < n; ++b)
       if (marked_by[nodes[b]] == node)
         node_places.emplace_back(b, place(place_of_node[nodes[b]], 0));
@@ -296,16 +295,36 @@ namespace emmy
                           const ComponentBlocks &blocks,
                           Matrix                &matrix) const
   {
-    for (unsigned int a = 0; a < blocks.n_nodes; ++a)
+    // entries come from memory while the next places are looked for
+    const unsigned int n = blocks.n_nodes;
+    node_places.clear();
+    for (unsigned int a = 0; a < n; ++a)
       {
-        find_places_of(nodes[a], nodes, blocks.n_nodes);
+        const std::size_t begin = node_places.size();
+        find_places_of(nodes[a], nodes, n);
+        for (std::size_t k = begin; k < node_places.size(); ++k)
+          node_places[k].first += a * n; // of both nodes
+        for (unsigned int i = 0; i < dim; ++i)
+          {
+            const double *row = entries_of(unknown<dim>(nodes[a], i), matrix);
+            for (std::size_t k = begin; k < node_places.size(); ++k)
+              __builtin_prefetch(row + node_places[k].second, 1);
+          }
+      }
+    auto next = node_places.cbegin();
+    for (unsigned int a = 0; a < n; ++a)
+      {
+        const auto begin = next;
         for (unsigned int i = 0; i < dim; ++i)
           {
             double       *row = entries_of(unknown<dim>(nodes[a], i), matrix);
             const double *values = blocks.at(i, 0, a);
-            for (const auto &[b, place] : node_places)
+            for (next = begin;
+                 next != node_places.cend() && next->first < (a + 1) * n;
+                 ++next)
               for (unsigned int j = 0; j < dim; ++j)
-                row[place + j] += values[j * blocks.by_j + b * blocks.by_b];
+                row[next->second + j] +=
+                  values[j * blocks.by_j + (next->first - a * n) * blocks.by_b];
           }
       }
   }
@@ -433,6 +452,7 @@ namespace emmy
       {
         for (unsigned int a = 0; a < n; ++a)
           {
+            node_places.clear();
             find_places_of(nodes[a], nodes, n);
             for (unsigned int c = 0; c < dim; ++c)
               {
