@@ -118,7 +118,7 @@ namespace emmy
 
     /** C += A B. */
     template <int n>
-    void
+    EMMY_INLINE void
     add_product(const float *a, const float *b, float *c)
     {
       if constexpr (n == 2)
@@ -145,12 +145,12 @@ namespace emmy
     }
 
     /**
-     * The inverse of a block whose entries are of the size of one, by
+     * To the inverse of a block whose entries are of the size of one, by
      * elimination with pivots; a pivot that vanishes is held off zero.
      */
     template <int n>
-    std::array<float, n * n>
-    inverse(const std::array<float, n * n> &block)
+    void
+    invert(float *block)
     {
       constexpr double smallest_pivot = 1e-6;
 
@@ -181,11 +181,56 @@ namespace emmy
                   rows[i][j] -= factor * rows[k][j];
               }
         }
-      std::array<float, n * n> result;
       for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j)
-          result[n * j + i] = static_cast<float>(rows[i][n + j]);
-      return result;
+          block[n * j + i] = static_cast<float>(rows[i][n + j]);
+    }
+    /** The arrays of BlockIlu while they are made. */
+    template <int n>
+    struct Elimination
+    {
+      unsigned int        n_nodes, n_blocks;
+      const unsigned int *lower, *upper, *columns;
+      float              *blocks;
+      unsigned int       *place; ///< by node; none
+    };
+
+    template <int n>
+    EMMY_INLINE void
+    eliminate_all(const Elimination<n> &of)
+    {
+      const auto block = [&](const unsigned int k) {
+        return of.blocks + n * n * std::size_t(k);
+      };
+      const auto upper_end = [&](const unsigned int i) {
+        return i > 0 ? of.upper[i - 1] : of.n_blocks;
+      };
+      for (unsigned int i = 0; i < of.n_nodes; ++i)
+        {
+          for (unsigned int k = of.lower[i]; k < of.lower[i + 1]; ++k)
+            of.place[of.columns[k]] = k;
+          for (unsigned int k = of.upper[i]; k < upper_end(i); ++k)
+            of.place[of.columns[k]] = k;
+          for (unsigned int k = of.lower[i]; k < of.lower[i + 1]; ++k)
+            {
+              // L_ij = A_ij / U_jj, and its products with the row j of U
+              const unsigned int j                  = of.columns[k];
+              float              product[n * n + 1] = {};
+              add_product<n>(block(k), block(of.upper[j]), product);
+              for (int m = 0; m < n * n; ++m)
+                block(k)[m] = product[m] = -product[m]; // -L_ij
+              for (unsigned int l = of.upper[j] + 1; l < upper_end(j); ++l)
+                if (of.place[of.columns[l]] != none)
+                  add_product<n>(product,
+                                 block(l),
+                                 block(of.place[of.columns[l]]));
+            }
+          invert<n>(block(of.upper[i]));
+          for (unsigned int k = of.lower[i]; k < of.lower[i + 1]; ++k)
+            of.place[of.columns[k]] = none;
+          for (unsigned int k = of.upper[i]; k < upper_end(i); ++k)
+            of.place[of.columns[k]] = none;
+        }
     }
   } // namespace
 
@@ -201,6 +246,16 @@ namespace emmy
     substitute(const Factors<3> &of)
     {
       substitute_all(of);
+    }
+    EMMY_CLONES void
+    eliminate(const Elimination<2> &of)
+    {
+      eliminate_all(of);
+    }
+    EMMY_CLONES void
+    eliminate(const Elimination<3> &of)
+    {
+      eliminate_all(of);
     }
   } // namespace ilu_kernels
 
@@ -234,11 +289,12 @@ namespace emmy
         is_met[node] = true; // whatever the matrix has
         pattern.push_back(node);
         for (int i = 0; i < n; ++i)
-          rows->for_each(n * node + i, [&](const unsigned int j, double) {
-            if (!is_met[j / n])
-              pattern.push_back(j / n);
-            is_met[j / n] = true;
-          });
+          if (!rows->is_like_last(n * node + i))
+            rows->for_each(n * node + i, [&](const unsigned int j, double) {
+              if (!is_met[j / n])
+                pattern.push_back(j / n);
+              is_met[j / n] = true;
+            });
         std::sort(pattern.begin() + first.back(), pattern.end());
         for (unsigned int k = first.back(); k < pattern.size(); ++k)
           is_met[pattern[k]] = false;
@@ -269,12 +325,14 @@ namespace emmy
         for (unsigned int k = upper[node]; k < upper_end(node); ++k)
           place[columns[k]] = k;
         for (int i = 0; i < n; ++i)
-          rows->for_each(n * node + i,
-                         [&](const unsigned int j, const double value) {
-                           blocks[place[j / n]][n * (j % n) + i] =
-                             static_cast<float>(value * scale[n * node + i] *
-                                                scale[j]);
-                         });
+          {
+            const double of_row = scale[n * node + i];
+            rows->for_each(n * node + i,
+                           [&](const unsigned int j, const double value) {
+                             blocks[place[j / n]][n * (j % n) + i] =
+                               static_cast<float>(value * of_row * scale[j]);
+                           });
+          }
       }
   }
 
@@ -314,35 +372,14 @@ namespace emmy
   {
     const unsigned int        n_nodes = upper.size();
     std::vector<unsigned int> place(n_nodes, none);
-    for (unsigned int i = 0; i < n_nodes; ++i)
-      {
-        const auto set_places = [&](const bool are_known) {
-          for (unsigned int k = lower[i]; k < lower[i + 1]; ++k)
-            place[columns[k]] = are_known ? k : none;
-          for (unsigned int k = upper[i]; k < upper_end(i); ++k)
-            place[columns[k]] = are_known ? k : none;
-        };
-        set_places(true);
-        for (unsigned int k = lower[i]; k < lower[i + 1]; ++k)
-          {
-            // L_ij = A_ij / U_jj, and its products with the row j of U
-            const unsigned int           j = columns[k];
-            std::array<float, n * n + 1> product{};
-            add_product<n>(blocks[k].data(),
-                           blocks[upper[j]].data(),
-                           product.data());
-            for (float &entry : product)
-              entry *= -1.f;
-            std::copy_n(product.begin(), n * n, blocks[k].begin()); // -L_ij
-            for (unsigned int l = upper[j] + 1; l < upper_end(j); ++l)
-              if (place[columns[l]] != none)
-                add_product<n>(product.data(),
-                               blocks[l].data(),
-                               blocks[place[columns[l]]].data());
-          }
-        blocks[upper[i]] = inverse<n>(blocks[upper[i]]);
-        set_places(false);
-      }
+    ilu_kernels::eliminate(
+      Elimination<n>{n_nodes,
+                     static_cast<unsigned int>(columns.size()),
+                     lower.data(),
+                     upper.data(),
+                     columns.data(),
+                     blocks.front().data(),
+                     place.data()});
     work.resize(n * n_nodes);
   }
 

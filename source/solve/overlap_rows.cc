@@ -49,6 +49,19 @@ namespace emmy
   }
 
   template <int n>
+  bool
+  OverlapRows<n>::is_repeated(const unsigned int row) const
+  {
+    if (row % n == 0)
+      return false;
+    int length, length_before, *columns, *columns_before;
+    graph->ExtractMyRowView(row, length, columns);
+    graph->ExtractMyRowView(row - 1, length_before, columns_before);
+    return length == length_before &&
+           std::equal(columns, columns + length, columns_before);
+  }
+
+  template <int n>
   void
   OverlapRows<n>::find_diagonals()
   {
@@ -58,7 +71,7 @@ namespace emmy
         {
           int length, *in_row;
           graph->ExtractMyRowView(i - begin(), length, in_row);
-          for (int k = 0; k < length; ++k)
+          for (int k = 0; k < length && diagonals[i] == nowhere; ++k)
             if (column[in_row[k]] == i)
               diagonals[i] = k;
         }
@@ -98,8 +111,10 @@ namespace emmy
         column.resize(entries->ColMap().NumMyElements());
         for (unsigned int j = 0; j < column.size(); ++j)
           column[j] = place_of(entries->ColMap().GID(j));
-        // a row: how many columns, and which
+        // a row: how many columns, and which; those of the one before: -1
         const auto rows = hand_over<int>([&](const int i, auto &message) {
+          if (is_repeated(i))
+            return message.push_back(-1);
           int length, *columns;
           graph->ExtractMyRowView(i, length, columns);
           message.push_back(length);
@@ -108,12 +123,29 @@ namespace emmy
         });
         first.assign(1, 0);
         other_columns.clear();
-        for (std::size_t i = 0; i < rows.size(); i += 1 + rows[i])
+        std::vector<char> others_like_last;
+        for (std::size_t i = 0; i < rows.size(); i += 1 + std::max(rows[i], 0))
           {
+            const bool is_like = rows[i] < 0;
+            if (is_like)
+              for (std::size_t k = first[first.size() - 2], end = first.back();
+                   k < end;
+                   ++k)
+                other_columns.push_back(other_columns[k]);
             for (int k = 1; k <= rows[i]; ++k)
               other_columns.push_back(place_of(rows[i + k]));
             first.push_back(other_columns.size());
+            others_like_last.push_back(is_like);
           }
+        like_last.clear();
+        for (unsigned int i = 0; i < n_own; ++i)
+          like_last.push_back(is_repeated(i));
+        like_last.insert(like_last.begin(),
+                         others_like_last.begin(),
+                         others_like_last.begin() + begin());
+        like_last.insert(like_last.end(),
+                         others_like_last.begin() + begin(),
+                         others_like_last.end());
         find_diagonals();
       }
     values = hand_over<double>([&](const int i, auto &message) {

@@ -73,6 +73,14 @@ namespace emmy
           entry(other_columns[k], values[k]);
     }
 
+    /** Whether an unknown of a node meets those that the one before it meets.
+     */
+    bool
+    is_like_last(const unsigned int i) const
+    {
+      return like_last[i] != 0;
+    }
+
     /** Zero if it has none. */
     double
     diagonal(const unsigned int i) const
@@ -100,6 +108,10 @@ namespace emmy
     meet(const Matrix &matrix);
     void
     find_diagonals();
+    /** Whether an own row has the columns of the one before, of the same node.
+     */
+    bool
+    is_repeated(const unsigned int row) const;
     /** What each neighbour gets of own rows: what() of an unknown. */
     template <class Number, class What>
     std::vector<Number>
@@ -116,6 +128,7 @@ namespace emmy
     std::vector<unsigned int>   other_columns;
     std::vector<double>         values;
     std::vector<std::size_t>    diagonals; ///< where in the row, or in values
+    std::vector<char>           like_last;
     mutable std::vector<double> from_others;
   };
 } // namespace emmy
