@@ -296,36 +296,34 @@ namespace emmy
                           Matrix                &matrix) const
   {
     // entries come from memory while the next places are looked for
-    const unsigned int n = blocks.n_nodes;
+    constexpr unsigned int end = dealii::numbers::invalid_unsigned_int;
     node_places.clear();
-    for (unsigned int a = 0; a < n; ++a)
+    for (unsigned int a = 0; a < blocks.n_nodes; ++a)
       {
         const std::size_t begin = node_places.size();
-        find_places_of(nodes[a], nodes, n);
-        for (std::size_t k = begin; k < node_places.size(); ++k)
-          node_places[k].first += a * n; // of both nodes
+        find_places_of(nodes[a], nodes, blocks.n_nodes);
         for (unsigned int i = 0; i < dim; ++i)
           {
             const double *row = entries_of(unknown<dim>(nodes[a], i), matrix);
             for (std::size_t k = begin; k < node_places.size(); ++k)
               __builtin_prefetch(row + node_places[k].second, 1);
           }
+        node_places.emplace_back(end, 0);
       }
-    auto next = node_places.cbegin();
-    for (unsigned int a = 0; a < n; ++a)
+    const auto *begin = node_places.data();
+    for (unsigned int a = 0; a < blocks.n_nodes; ++a)
       {
-        const auto begin = next;
+        const auto *next = begin;
         for (unsigned int i = 0; i < dim; ++i)
           {
             double       *row = entries_of(unknown<dim>(nodes[a], i), matrix);
             const double *values = blocks.at(i, 0, a);
-            for (next = begin;
-                 next != node_places.cend() && next->first < (a + 1) * n;
-                 ++next)
+            for (next = begin; next->first != end; ++next)
               for (unsigned int j = 0; j < dim; ++j)
                 row[next->second + j] +=
-                  values[j * blocks.by_j + (next->first - a * n) * blocks.by_b];
+                  values[j * blocks.by_j + next->first * blocks.by_b];
           }
+        begin = next + 1;
       }
   }
 
