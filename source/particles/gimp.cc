@@ -3,6 +3,7 @@
 #include <emmy/particles/gimp.h>
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 
 namespace emmy
@@ -287,9 +288,6 @@ namespace emmy
                                        const Group               &group,
                                        Stencils<dim> &stencils) const
   {
-    stencils.values.resize(group.first_value +
-                           std::size_t(group.n_nodes) * group.n_points);
-    stencils.gradients.resize(dim * stencils.values.size());
     for (unsigned int q = 0; q < group.n_points; ++q)
       {
         const auto weights =
@@ -392,6 +390,41 @@ namespace emmy
   }
 
   template <int dim>
+  std::size_t
+  GimpShapeFunctions<dim>::end_of_group(const std::vector<Entry> &entries,
+                                        const std::size_t         first)
+  {
+    std::size_t last = first;
+    while (last < entries.size() && entries[last].key() == entries[first].key())
+      ++last;
+    return last;
+  }
+
+  template <int dim>
+  void
+  GimpShapeFunctions<dim>::make_room(const std::vector<Entry> &entries,
+                                     Stencils<dim>            &stencils)
+  {
+    std::size_t n_groups = 0, n_node_ids = 0, n_values = 0;
+    for (std::size_t first = 0, last = 0; first < entries.size(); first = last)
+      {
+        last                = end_of_group(entries, first);
+        std::size_t n_nodes = 1;
+        for (const unsigned int n :
+             nodes_of<dim>(entries[first].first, entries[first].last))
+          n_nodes *= n;
+        n_nodes -= std::bitset<64>(entries[first].left_out).count();
+        ++n_groups;
+        n_node_ids += n_nodes;
+        n_values += n_nodes * (last - first);
+      }
+    stencils.groups.reserve(n_groups);
+    stencils.node_ids.reserve(n_node_ids);
+    stencils.values.resize(n_values);
+    stencils.gradients.resize(dim * n_values);
+  }
+
+  template <int dim>
   Stencils<dim>
   GimpShapeFunctions<dim>::evaluate(const Places<dim>         &places,
                                     const BackgroundGrid<dim> &grid) const
@@ -407,23 +440,25 @@ namespace emmy
         stencils.order.push_back(entry.index);
       }
 
+    make_room(entries, stencils);
+
     std::optional<std::size_t> unknown;
+    std::size_t                n_done = 0; // values
     for (std::size_t first = 0, last = 0; first < entries.size(); first = last)
       {
-        while (last < entries.size() &&
-               entries[last].key() == entries[first].key())
-          ++last;
+        last = end_of_group(entries, first);
         Group group;
         group.first_point = first;
         group.n_points    = last - first;
         group.body        = entries[first].body;
-        group.first_value = stencils.values.size();
+        group.first_value = n_done;
         if (!add_nodes(entries[first], grid, group, stencils, overlapped))
           {
             unknown = entries[first].index;
             break;
           }
         add_weights(&entries[first], places, grid, group, stencils);
+        n_done += std::size_t(group.n_nodes) * group.n_points;
         stencils.groups.push_back(group);
       }
 

@@ -14,6 +14,7 @@
 #include <emmy/run/run.h>
 #include <emmy/run/scene_advice.h>
 #include <emmy/run/scene_card.h>
+#include <emmy/run/scene_memory.h>
 
 #include <unistd.h>
 
@@ -428,6 +429,8 @@ namespace emmy
     if (options.only_check)
       {
         describe(screen);
+        print_memory(predict_memory(scene, parameters, card.n_matrices),
+                     screen);
         advise(scene, parameters, initial, screen);
         if (options.with_step)
           calibrate(scene, parameters, screen);

@@ -63,6 +63,16 @@ namespace emmy
       agree_on_problem(start.rules.grid.communicator(), problem_of(places));
     if (!found.empty())
       return;
+    // what is of the places before goes first: there would be two of all
+    std::optional<PointArrays<dim>> trial;
+    if (current)
+      {
+        trial = std::move(step_equation->trial());
+        step_equation.reset();
+        current->stencils.values    = {};
+        current->stencils.gradients = {};
+      }
+    moving.reset();
     auto before = active;
     auto next   = std::make_unique<Ground<dim>>();
     {
@@ -74,12 +84,8 @@ namespace emmy
     // particles often stand in the order of before
     const bool has_order =
       current && next->stencils.order == current->stencils.order;
-    std::optional<PointArrays<dim>> trial;
     if (current)
-      {
-        trial        = std::move(step_equation->trial());
-        next->points = std::move(current->points);
-      }
+      next->points = std::move(current->points);
     if (!has_order)
       {
         const auto timed = start.phases->scope("gather");
@@ -87,7 +93,6 @@ namespace emmy
         if (trial)
           *trial = next->points;
       }
-    moving.reset(); // before there is more
     renew_nodes(*next);
     active = on_grid->active;
     if (solution && before != active)
@@ -99,7 +104,6 @@ namespace emmy
           active->carried_over(*before, *increment, active->make_vector());
       }
     before.reset();
-    step_equation.reset();
     current = std::move(next);
     if (!is_frozen)
       moving = std::make_unique<MovingPlaces<dim>>(start.rules, places);

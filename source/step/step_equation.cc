@@ -27,7 +27,6 @@ namespace emmy
     , free_residual(step.start.active->make_vector())
     , trial_states(std::move(trial_states))
   {
-    step.start.active->graph().reinit(tangent);
     if (balance.has_loads())
       step.start.active->add(balance.loads(step), external_force);
   }
@@ -50,7 +49,11 @@ namespace emmy
       2. / step.time_step * absolute_product(step.start.momentum, solution);
     if (with_jacobian)
       {
-        active.graph().clear(tangent);
+        if (has_tangent)
+          active.graph().clear(tangent);
+        else
+          active.graph().reinit(tangent);
+        has_tangent = true;
         rank_ones.clear();
       }
     if (step.moving)
@@ -107,6 +110,14 @@ namespace emmy
             force_scale,
             total_work,
             &step.start.active->places()};
+  }
+
+  template <int dim>
+  void
+  StepEquation<dim>::drop_jacobian()
+  {
+    tangent.clear();
+    has_tangent = false;
   }
 
   template <int dim>

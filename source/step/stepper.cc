@@ -33,6 +33,8 @@ namespace emmy
     if (setting.method.diagnosis.small_cuts)
       timed("diagnosis", [&] { examine(solution); });
 
+    solution.equation().drop_jacobian(); // its room is for the particles
+
     // grid -> particles
     const StepReport result = timed("accounts", [&] {
       follow(solution);
@@ -291,6 +293,7 @@ namespace emmy
     solution.newton = Newton(solver_parameters, *linear_solver, setting.phases)
                         .solve(*solution.in_middle, solution.displacement);
     start = &solution.in_middle->grid_start();
+    solution.equation().drop_jacobian(); // the map makes a matrix of its own
     timed("particles to grid", [&] {
       particles_to_grid.assemble_mass(solution.ground().stencils,
                                       solution.ground().points);

@@ -127,7 +127,7 @@ rm ./-base.prm
 check 'short, twice, and after --: the last task, the file' sets 'Factor' 7
 
 # What `emmy --check` must tell, as fixed words separated by |
-told='particles|cells|unknowns|bytes|first time step'
+told='particles|cells|unknowns|bytes|first time step|memory of a run'
 
 # tells NAME: what emmy printed has all that --check must tell
 tells()

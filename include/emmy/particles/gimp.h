@@ -87,6 +87,17 @@ namespace emmy
     sorted_entries(const Places<dim>         &places,
                    const BackgroundGrid<dim> &grid) const;
 
+    /** Behind the last that is of the same group as the first. */
+    static std::size_t
+    end_of_group(const std::vector<Entry> &entries, const std::size_t first);
+
+    /**
+     * The weights' arrays in their full length, and room for nodes and groups:
+     * arrays that grow stand there twice.
+     */
+    static void
+    make_room(const std::vector<Entry> &entries, Stencils<dim> &stencils);
+
     static void
     set_overlap(const Places<dim>         &places,
                 const BackgroundGrid<dim> &grid,

@@ -31,6 +31,10 @@ namespace emmy
     size(const Vector &increment) const override;
     bool
     has_kinks() const override;
+
+    /** Give its memory back; an evaluation that wants it makes it anew. */
+    void
+    drop_jacobian();
     const std::string &
     problem() const override;
 
@@ -74,6 +78,7 @@ namespace emmy
     const StepData<dim> step;
     Vector external_force, full_residual, free_residual, with_places;
     Matrix tangent;
+    bool   has_tangent = false;     ///< made when it is first asked for
     std::vector<RankOne> rank_ones; ///< beside it
     PointArrays<dim>     trial_states;
     double               force_scale = 0., total_work = 0.;
