@@ -157,11 +157,45 @@ namespace emmy
             }
         }
     }
+    /** sum += entries of a row times the motions of their columns. */
+    template <int n_modes>
+    EMMY_INLINE void
+    add_motions(const double *entries,
+                const int    *columns,
+                const int     n,
+                const double *motions,
+                double       *sum)
+    {
+      double sums[n_modes]{};
+      for (int k = 0; k < n; ++k)
+        for (int m = 0; m < n_modes; ++m)
+          sums[m] += entries[k] * motions[n_modes * columns[k] + m];
+      for (int m = 0; m < n_modes; ++m)
+        sum[m] += sums[m];
+    }
   } // namespace
 
   namespace box_kernels
   {
     // no templates: those have no clones
+    EMMY_CLONES void
+    add_in_plane(const double *entries,
+                 const int    *columns,
+                 const int     n,
+                 const double *motions,
+                 double       *sum)
+    {
+      add_motions<3>(entries, columns, n, motions, sum);
+    }
+    EMMY_CLONES void
+    add_in_space(const double *entries,
+                 const int    *columns,
+                 const int     n,
+                 const double *motions,
+                 double       *sum)
+    {
+      add_motions<6>(entries, columns, n, motions, sum);
+    }
     EMMY_CLONES void
     correct(const Correction<2> &at)
     {
@@ -259,6 +293,8 @@ namespace emmy
                              const std::vector<unsigned int> &box_of,
                              const std::vector<Motion>       &motions)
   {
+    constexpr auto add =
+      dim == 2 ? box_kernels::add_in_plane : box_kernels::add_in_space;
     const Epetra_CrsMatrix &entries = matrix.trilinos_matrix();
     first.assign(1, 0);
     boxes.clear();
@@ -277,9 +313,14 @@ namespace emmy
                 // neighbours in the same box stand together
                 const unsigned int box = box_of[columns[k]];
                 Motion             sum{};
-                for (; k < length && box_of[columns[k]] == box; ++k)
-                  for (unsigned int m = 0; m < n_modes; ++m)
-                    sum[m] += values[k] * motions[columns[k]][m];
+                const int          begin = k;
+                while (k < length && box_of[columns[k]] == box)
+                  ++k;
+                add(values + begin,
+                    columns + begin,
+                    k - begin,
+                    motions.front().data(),
+                    sum.data());
                 const auto place =
                   std::find(boxes.begin() + first.back(), boxes.end(), box) -
                   boxes.begin();

@@ -1,7 +1,12 @@
+#include <emmy/math/lanes.h>
 #include <emmy/solve/gmres.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+
+// vectors stay within this file
+#pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace emmy
 {
@@ -17,18 +22,17 @@ namespace emmy
     /** A part that is round-off. */
     constexpr double nothing = 1e-13;
 
-    double
-    product(const double *a, const double *b, const std::size_t n)
+    /** Numbers that a register holds. */
+    constexpr std::size_t n_together = 4;
+    /** These. */
+    using Together = LanesOf<n_together>::type;
+
+    EMMY_INLINE Together
+    read(const double *numbers)
     {
-      // four sums, as one alone waits for each addition
-      double      sums[4] = {0., 0., 0., 0.};
-      std::size_t i       = 0;
-      for (; i + 4 <= n; i += 4)
-        for (unsigned int k = 0; k < 4; ++k)
-          sums[k] += a[i + k] * b[i + k];
-      for (; i < n; ++i)
-        sums[0] += a[i] * b[i];
-      return (sums[0] + sums[1]) + (sums[2] + sums[3]);
+      Together result;
+      std::memcpy(&result, numbers, sizeof result);
+      return result;
     }
 
     /** A rotation that turns (a, b) to (r, 0), and applied to others. */
@@ -55,6 +59,34 @@ namespace emmy
       }
     };
   } // namespace
+
+  namespace gmres_kernels
+  {
+    EMMY_CLONES double
+    product(const double *a, const double *b, const std::size_t n)
+    {
+      // two sums, as one alone waits for each addition
+      Together    sums[2]{};
+      std::size_t i = 0;
+      for (; i + 2 * n_together <= n; i += 2 * n_together)
+        for (unsigned int k = 0; k < 2; ++k)
+          sums[k] +=
+            read(a + i + k * n_together) * read(b + i + k * n_together);
+      sums[0] += sums[1];
+      double result = (sums[0][0] + sums[0][1]) + (sums[0][2] + sums[0][3]);
+      for (; i < n; ++i)
+        result += a[i] * b[i];
+      return result;
+    }
+
+    /** sum += amount v */
+    EMMY_CLONES void
+    add(const double amount, const double *v, const std::size_t n, double *sum)
+    {
+      for (std::size_t i = 0; i < n; ++i)
+        sum[i] += amount * v[i];
+    }
+  } // namespace gmres_kernels
 
   bool
   Gmres::solve(Vector            &x,
@@ -163,8 +195,9 @@ namespace emmy
           {
             const std::size_t n = std::min(block_length, n_local - i);
             for (unsigned int j = 0; j < n_vectors; ++j)
-              sums[j] += product(vectors[j].data() + i, entries + i, n);
-            sums.back() += product(entries + i, entries + i, n);
+              sums[j] +=
+                gmres_kernels::product(vectors[j].data() + i, entries + i, n);
+            sums.back() += gmres_kernels::product(entries + i, entries + i, n);
           }
         dealii::Utilities::MPI::sum(sums, w.get_mpi_communicator(), sums);
         rest = sums.back();
@@ -177,12 +210,10 @@ namespace emmy
           {
             const std::size_t n = std::min(block_length, n_local - i);
             for (unsigned int j = 0; j < n_vectors; ++j)
-              {
-                const double  amount = sums[j];
-                const double *v      = vectors[j].data() + i;
-                for (std::size_t k = 0; k < n; ++k)
-                  entries[i + k] -= amount * v[k];
-              }
+              gmres_kernels::add(-sums[j],
+                                 vectors[j].data() + i,
+                                 n,
+                                 entries + i);
           }
         if (is_second || rest >= little * little * sums.back())
           break;
@@ -202,8 +233,7 @@ namespace emmy
       {
         const std::size_t n = std::min(block_length, n_local - i);
         for (std::size_t j = 0; j < y.size(); ++j)
-          for (std::size_t k = 0; k < n; ++k)
-            entries[i + k] += y[j] * vectors[j][i + k];
+          gmres_kernels::add(y[j], vectors[j].data() + i, n, entries + i);
       }
     preconditioner.vmult(change, sum);
     x += change;

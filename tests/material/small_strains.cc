@@ -2,6 +2,8 @@
 // stresses, energies and their changes to round-off of their own size, and the
 // stress of a step is smooth enough for Newton.
 
+#include <emmy/material/strain_update.h>
+
 #include "laws.h"
 
 using namespace emmy;
@@ -205,11 +207,53 @@ namespace
                         law.name + ": a step of nothing");
           }
   }
+
+  /** Points side by side have the strains that each has by itself. */
+  template <int dim>
+  void
+  check_side_by_side()
+  {
+    constexpr unsigned int n = 11; // not a multiple of the lanes
+    for (const double size : {0.3, 1e-6, 1e-12})
+      {
+        std::vector<Tensor<2, dim>>    H(n);
+        std::vector<MandelVector<dim>> old(n), found(n);
+        std::vector<double>            determinants(n), squares(n);
+        for (unsigned int p = 0; p < n; ++p)
+          {
+            H[p]              = random_tensor<dim>(size);
+            const auto strain = random_tensor<dim>(size);
+            old[p]            = mandel::symmetric_part<dim>(strain, 0.1 * size);
+          }
+        update_strains<dim>(H.data(),
+                            old.data(),
+                            n,
+                            found.data(),
+                            {determinants.data(), squares.data()});
+        for (unsigned int p = 0; p < n; ++p)
+          {
+            const auto alone  = left_cauchy_green_less_unit<dim>(H[p], old[p]);
+            const auto change = step_kinematics<dim>(H[p]).metric_change;
+            test::check((found[p] - alone).norm() <= 1e-15 * alone.norm(),
+                        "strain of a point among others");
+            test::check_close(determinants[p],
+                              determinant(identity<dim>() + H[p]),
+                              1e-15,
+                              "its determinant");
+            test::check_close(squares[p] / change.norm_square(),
+                              1.,
+                              1e-14,
+                              "its change of metric");
+          }
+      }
+  }
 } // namespace
 
 int
 main()
 {
+  check_side_by_side<2>();
+  check_side_by_side<3>();
   for (const double size : {1e-2, 1e-4, 1e-8, 1e-12, 1e-30, 1e-100})
     check_stress(size);
   for (const double strain : {0.1, 1e-3, 1e-6, 1e-12})
