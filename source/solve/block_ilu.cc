@@ -116,33 +116,94 @@ namespace emmy
         }
     }
 
-    /** C += A B. */
+    /** A block whose products with others are added, in registers. */
     template <int n>
-    EMMY_INLINE void
-    add_product(const float *a, const float *b, float *c)
+    class LeftBlock;
+
+    template <>
+    class LeftBlock<2>
     {
-      if constexpr (n == 2)
-        {
-          const Four sum =
-            read(c) +
-            Four{a[0], a[1], a[0], a[1]} * Four{b[0], b[0], b[2], b[2]} +
-            Four{a[2], a[3], a[2], a[3]} * Four{b[1], b[1], b[3], b[3]};
-          std::memcpy(c, &sum, sizeof sum);
-        }
-      else
-        {
-          const Four columns[3] = {read(a), read(a + 3), read(a + 6)};
-          Four       sums[3];
-          for (int j = 0; j < 3; ++j)
-            sums[j] = read(c + 3 * j) + columns[0] * b[3 * j] +
-                      columns[1] * b[3 * j + 1] + columns[2] * b[3 * j + 2];
-          // the fourth number of a column is the first of the next
-          for (int j = 0; j < 3; ++j)
-            std::memcpy(c + 3 * j,
-                        &sums[j],
-                        j < 2 ? sizeof(Four) : 3 * sizeof(float));
-        }
-    }
+    public:
+      EMMY_INLINE explicit LeftBlock(const Four columns)
+        : first{columns[0], columns[1], columns[0], columns[1]}
+        , second{columns[2], columns[3], columns[2], columns[3]}
+      {}
+      EMMY_INLINE explicit LeftBlock(const float *block)
+        : LeftBlock(read(block))
+      {}
+      EMMY_INLINE Four
+      times(const float *b) const
+      {
+        return first * Four{b[0], b[0], b[2], b[2]} +
+               second * Four{b[1], b[1], b[3], b[3]};
+      }
+      /** To minus the product with b, which @p block takes too. */
+      EMMY_INLINE void
+      multiply(const float *b, float *block)
+      {
+        const Four product = -times(b);
+        std::memcpy(block, &product, sizeof product);
+        *this = LeftBlock(product);
+      }
+      /** c += its product with b */
+      EMMY_INLINE void
+      add_product(const float *b, float *c) const
+      {
+        const Four sum = read(c) + times(b);
+        std::memcpy(c, &sum, sizeof sum);
+      }
+
+    private:
+      Four first, second; ///< columns, twice
+    };
+
+    template <>
+    class LeftBlock<3>
+    {
+    public:
+      EMMY_INLINE explicit LeftBlock(const float *block)
+        : first(read(block))
+        , second(read(block + 3))
+        , third(read(block + 6))
+      {}
+      EMMY_INLINE Four
+      times(const float *b) const
+      {
+        return first * b[0] + second * b[1] + third * b[2];
+      }
+      /** To minus the product with b, which @p block takes too. */
+      EMMY_INLINE void
+      multiply(const float *b, float *block)
+      {
+        const Four products[3] = {-times(b), -times(b + 3), -times(b + 6)};
+        first                  = products[0];
+        second                 = products[1];
+        third                  = products[2];
+        write(first, second, third, block);
+      }
+      /** c += its product with b */
+      EMMY_INLINE void
+      add_product(const float *b, float *c) const
+      {
+        write(read(c) + times(b),
+              read(c + 3) + times(b + 3),
+              read(c + 6) + times(b + 6),
+              c);
+      }
+
+    private:
+      /** The fourth number of a column is the first of the next. */
+      EMMY_INLINE static void
+      write(const Four &a, const Four &b, const Four &c, float *block)
+      {
+        std::memcpy(block, &a, sizeof a);
+        std::memcpy(block + 3, &b, sizeof b);
+        for (int i = 0; i < 3; ++i)
+          block[6 + i] = c[i];
+      }
+
+      Four first, second, third; ///< columns
+    };
 
     /**
      * To the inverse of a block whose entries are of the size of one, by
@@ -214,16 +275,12 @@ namespace emmy
           for (unsigned int k = of.lower[i]; k < of.lower[i + 1]; ++k)
             {
               // L_ij = A_ij / U_jj, and its products with the row j of U
-              const unsigned int j                  = of.columns[k];
-              float              product[n * n + 1] = {};
-              add_product<n>(block(k), block(of.upper[j]), product);
-              for (int m = 0; m < n * n; ++m)
-                block(k)[m] = product[m] = -product[m]; // -L_ij
+              const unsigned int j = of.columns[k];
+              LeftBlock<n>       left(block(k));
+              left.multiply(block(of.upper[j]), block(k)); // -L_ij
               for (unsigned int l = of.upper[j] + 1; l < upper_end(j); ++l)
                 if (of.place[of.columns[l]] != none)
-                  add_product<n>(product,
-                                 block(l),
-                                 block(of.place[of.columns[l]]));
+                  left.add_product(block(l), block(of.place[of.columns[l]]));
             }
           invert<n>(block(of.upper[i]));
           for (unsigned int k = of.lower[i]; k < of.lower[i + 1]; ++k)
