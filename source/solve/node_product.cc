@@ -27,6 +27,38 @@ namespace emmy
       double              *y;
     };
 
+    /** The rows of a node at once, where they are near, as in the plane. */
+    template <int dim>
+    EMMY_INLINE void
+    multiply_nodes(const Product<dim> &at)
+    {
+      using Numbers = typename NodeNumbers<dim>::type;
+      for (unsigned int node = 0; node < at.n_nodes; ++node)
+        {
+          const unsigned int *const neighbours = at.nodes + at.first[node];
+          const std::size_t         n    = at.first[node + 1] - at.first[node];
+          const double *const      *rows = at.rows + dim * node;
+          Numbers                   sums[dim]{};
+          for (std::size_t k = 0; k + 1 < n; ++k)
+            {
+              const Numbers x = read_node<dim>(at.x + dim * neighbours[k]);
+              for (unsigned int c = 0; c < dim; ++c)
+                sums[c] += read_node<dim>(rows[c] + dim * k) * x;
+            }
+          for (unsigned int c = 0; c < dim; ++c)
+            {
+              double sum = 0.;
+              for (unsigned int d = 0; d < dim; ++d)
+                sum += sums[c][d];
+              // behind the last block there may be nothing to read
+              for (unsigned int d = 0; n > 0 && d < dim; ++d)
+                sum += rows[c][dim * (n - 1) + d] *
+                       at.x[dim * neighbours[n - 1] + d];
+              at.y[dim * node + c] = sum;
+            }
+        }
+    }
+
     /**
      * One row after the other, as they lie in memory: processors foresee one
      * stream of numbers, and three that are 600 bytes apart come at half its
@@ -75,7 +107,7 @@ namespace emmy
     EMMY_CLONES void
     multiply(const Product<2> &at)
     {
-      multiply_rows<2>(at);
+      multiply_nodes<2>(at);
     }
     EMMY_CLONES void
     multiply(const Product<3> &at)
