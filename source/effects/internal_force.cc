@@ -1,4 +1,5 @@
 #include <emmy/effects/internal_force.h>
+#include <emmy/effects/point_sums.h>
 
 namespace emmy
 {

@@ -1,5 +1,6 @@
 #include <emmy/effects/cell_products.h>
 #include <emmy/effects/mean_dilatation.h>
+#include <emmy/effects/point_sums.h>
 #include <emmy/effects/stress_tangent.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-#include <emmy/effects/stress_states.h>
-#include <emmy/math/lanes.h>
+#include <emmy/effects/point_sums.h>
+#include <emmy/math/four_numbers.h>
 
 #include <cstring>
 
@@ -10,20 +10,8 @@ namespace emmy
 {
   namespace
   {
-    /** Points that a register holds. */
-    constexpr unsigned int n_together = 4;
-    /** One number of each of them. */
-    using Together = LanesOf<n_together>::type;
-
-    EMMY_INLINE Together
-    read(const double *numbers)
-    {
-      Together result;
-      std::memcpy(&result, numbers, sizeof result);
-      return result;
-    }
-
     /** Points of one group, with the slopes of its nodes. */
+    template <int dim>
     struct Part
     {
       unsigned int        n_points, n_nodes;
@@ -32,97 +20,108 @@ namespace emmy
       unsigned int        stride; ///< from a direction to the next
     };
 
-    /** H = sum u_a (x) grad S_a, point after point. */
-    template <int dim>
-    EMMY_INLINE void
-    add_up_gradients(const Part &part, const double *displacement, double *H)
+    /** A number of one point, or of four that follow each other. */
+    template <class Numbers>
+    constexpr unsigned int how_many = sizeof(Numbers) / sizeof(double);
+
+    EMMY_INLINE double
+    sum_of(const double number)
     {
-      unsigned int q = 0;
-      for (; q + n_together <= part.n_points; q += n_together)
+      return number;
+    }
+    EMMY_INLINE double
+    sum_of(const FourNumbers &numbers)
+    {
+      return (numbers[0] + numbers[1]) + (numbers[2] + numbers[3]);
+    }
+
+    /** H = sum u_a (x) grad S_a of points from q on. */
+    template <class Numbers, int dim>
+    EMMY_INLINE void
+    add_up_gradients(const Part<dim>   &part,
+                     const double      *displacement,
+                     const unsigned int q,
+                     double            *H)
+    {
+      Numbers sums[dim * dim]{};
+      for (unsigned int a = 0; a < part.n_nodes; ++a)
         {
-          Together sums[dim * dim]{};
-          for (unsigned int a = 0; a < part.n_nodes; ++a)
+          const double *u     = displacement + dim * part.nodes[a];
+          const double *slope = part.slopes + a * dim * part.stride + q;
+          for (int j = 0; j < dim; ++j)
             {
-              const double *u     = displacement + dim * part.nodes[a];
-              const double *slope = part.slopes + a * dim * part.stride + q;
-              for (int j = 0; j < dim; ++j)
-                {
-                  const Together slopes = read(slope + j * part.stride);
-                  for (int i = 0; i < dim; ++i)
-                    sums[dim * i + j] += u[i] * slopes;
-                }
+              const auto slopes =
+                read_together<Numbers>(slope + j * part.stride);
+              for (int i = 0; i < dim; ++i)
+                sums[dim * i + j] += u[i] * slopes;
             }
-          for (unsigned int lane = 0; lane < n_together; ++lane)
-            for (int ij = 0; ij < dim * dim; ++ij)
-              H[(q + lane) * dim * dim + ij] = sums[ij][lane];
         }
-      for (; q < part.n_points; ++q)
+      double by_point[dim * dim][how_many<Numbers>];
+      std::memcpy(by_point, sums, sizeof sums);
+      for (unsigned int k = 0; k < how_many<Numbers>; ++k)
+        for (int ij = 0; ij < dim * dim; ++ij)
+          H[(q + k) * dim * dim + ij] = by_point[ij][k];
+    }
+
+    /** force_a += sum V P grad S_a of points from q on. */
+    template <class Numbers, int dim>
+    EMMY_INLINE void
+    add_up_forces(const Part<dim>   &part,
+                  const double      *volumes,
+                  const double      *P,
+                  const unsigned int q,
+                  double            *force)
+    {
+      double by_point[dim * dim][how_many<Numbers>]; // times volume
+      for (unsigned int k = 0; k < how_many<Numbers>; ++k)
+        for (int ij = 0; ij < dim * dim; ++ij)
+          by_point[ij][k] = volumes[q + k] * P[(q + k) * dim * dim + ij];
+      Numbers stresses[dim * dim];
+      std::memcpy(stresses, by_point, sizeof stresses);
+      for (unsigned int a = 0; a < part.n_nodes; ++a)
         {
-          double sums[dim * dim]{};
-          for (unsigned int a = 0; a < part.n_nodes; ++a)
+          const double *slope = part.slopes + a * dim * part.stride + q;
+          Numbers       sums[dim]{};
+          for (int j = 0; j < dim; ++j)
             {
-              const double *u     = displacement + dim * part.nodes[a];
-              const double *slope = part.slopes + a * dim * part.stride + q;
-              for (int j = 0; j < dim; ++j)
-                for (int i = 0; i < dim; ++i)
-                  sums[dim * i + j] += u[i] * slope[j * part.stride];
+              const auto slopes =
+                read_together<Numbers>(slope + j * part.stride);
+              for (int i = 0; i < dim; ++i)
+                sums[i] += stresses[dim * i + j] * slopes;
             }
-          for (int ij = 0; ij < dim * dim; ++ij)
-            H[q * dim * dim + ij] = sums[ij];
+          for (int i = 0; i < dim; ++i)
+            force[dim * part.nodes[a] + i] += sum_of(sums[i]);
         }
     }
 
-    /** force_a += sum V P grad S_a, with P point after point. */
+    /** All points, four by four and then one by one. */
     template <int dim>
     EMMY_INLINE void
-    add_up_forces(const Part   &part,
-                  const double *volumes,
-                  const double *P,
-                  double       *force)
+    find_gradients(const Part<dim> &part, const double *u, double *H)
     {
       unsigned int q = 0;
       for (; q + n_together <= part.n_points; q += n_together)
-        {
-          Together stresses[dim * dim]; // times volume
-          for (unsigned int lane = 0; lane < n_together; ++lane)
-            for (int ij = 0; ij < dim * dim; ++ij)
-              stresses[ij][lane] =
-                volumes[q + lane] * P[(q + lane) * dim * dim + ij];
-          for (unsigned int a = 0; a < part.n_nodes; ++a)
-            {
-              const double *slope = part.slopes + a * dim * part.stride + q;
-              Together      sums[dim]{};
-              for (int j = 0; j < dim; ++j)
-                {
-                  const Together slopes = read(slope + j * part.stride);
-                  for (int i = 0; i < dim; ++i)
-                    sums[i] += stresses[dim * i + j] * slopes;
-                }
-              for (int i = 0; i < dim; ++i)
-                force[dim * part.nodes[a] + i] +=
-                  (sums[i][0] + sums[i][1]) + (sums[i][2] + sums[i][3]);
-            }
-        }
+        add_up_gradients<FourNumbers>(part, u, q, H);
       for (; q < part.n_points; ++q)
-        {
-          double stress[dim * dim]; // times volume
-          for (int ij = 0; ij < dim * dim; ++ij)
-            stress[ij] = volumes[q] * P[q * dim * dim + ij];
-          for (unsigned int a = 0; a < part.n_nodes; ++a)
-            {
-              const double *slope = part.slopes + a * dim * part.stride + q;
-              double        sums[dim]{};
-              for (int j = 0; j < dim; ++j)
-                for (int i = 0; i < dim; ++i)
-                  sums[i] += stress[dim * i + j] * slope[j * part.stride];
-              for (int i = 0; i < dim; ++i)
-                force[dim * part.nodes[a] + i] += sums[i];
-            }
-        }
+        add_up_gradients<double>(part, u, q, H);
     }
 
     template <int dim>
-    Part
+    EMMY_INLINE void
+    find_forces(const Part<dim> &part,
+                const double    *volumes,
+                const double    *P,
+                double          *force)
+    {
+      unsigned int q = 0;
+      for (; q + n_together <= part.n_points; q += n_together)
+        add_up_forces<FourNumbers>(part, volumes, P, q, force);
+      for (; q < part.n_points; ++q)
+        add_up_forces<double>(part, volumes, P, q, force);
+    }
+
+    template <int dim>
+    Part<dim>
     part_of(const PointBatch<dim>                &points,
             const typename PointBatch<dim>::Part &part,
             const ActiveGrid<dim>                &active)
@@ -138,23 +137,32 @@ namespace emmy
   namespace point_kernels
   {
     // no templates: those have no clones
-#define KERNELS(name, dim)                              \
-  EMMY_CLONES void gradients_##name(const Part   &part, \
-                                    const double *u,    \
-                                    double       *H)    \
-  {                                                     \
-    add_up_gradients<dim>(part, u, H);                  \
-  }                                                     \
-  EMMY_CLONES void forces_##name(const Part   &part,    \
-                                 const double *volumes, \
-                                 const double *P,       \
-                                 double       *force)   \
-  {                                                     \
-    add_up_forces<dim>(part, volumes, P, force);        \
-  }
-    KERNELS(in_plane, 2)
-    KERNELS(in_space, 3)
-#undef KERNELS
+    EMMY_CLONES void
+    gradients(const Part<2> &part, const double *u, double *H)
+    {
+      find_gradients(part, u, H);
+    }
+    EMMY_CLONES void
+    gradients(const Part<3> &part, const double *u, double *H)
+    {
+      find_gradients(part, u, H);
+    }
+    EMMY_CLONES void
+    forces(const Part<2> &part,
+           const double  *volumes,
+           const double  *P,
+           double        *force)
+    {
+      find_forces(part, volumes, P, force);
+    }
+    EMMY_CLONES void
+    forces(const Part<3> &part,
+           const double  *volumes,
+           const double  *P,
+           double        *force)
+    {
+      find_forces(part, volumes, P, force);
+    }
   } // namespace point_kernels
 
   template <int dim>
@@ -164,13 +172,12 @@ namespace emmy
                          const std::vector<double> &displacement,
                          StressBatch<dim>          &batch)
   {
-    constexpr auto kernel = dim == 2 ? point_kernels::gradients_in_plane
-                                     : point_kernels::gradients_in_space;
-    batch.n_points        = points.n_points;
+    batch.n_points = points.n_points;
     for (const auto &part : points.parts)
-      kernel(part_of(points, part, active),
-             displacement.data(),
-             batch.displacement_gradient[part.at].begin_raw());
+      point_kernels::gradients(
+        part_of(points, part, active),
+        displacement.data(),
+        batch.displacement_gradient[part.at].begin_raw());
   }
 
   template <int dim>
@@ -181,13 +188,11 @@ namespace emmy
              const StressBatch<dim> &batch,
              std::vector<double>    &force)
   {
-    constexpr auto kernel = dim == 2 ? point_kernels::forces_in_plane
-                                     : point_kernels::forces_in_space;
     for (const auto &part : points.parts)
-      kernel(part_of(points, part, active),
-             volumes + points.first_point + part.at,
-             batch.nominal_stress[part.at].begin_raw(),
-             force.data());
+      point_kernels::forces(part_of(points, part, active),
+                            volumes + points.first_point + part.at,
+                            batch.nominal_stress[part.at].begin_raw(),
+                            force.data());
   }
 
 #define INSTANTIATE(dim)                                                 \

@@ -268,10 +268,13 @@ namespace emmy
       };
       for (unsigned int i = 0; i < of.n_nodes; ++i)
         {
-          for (unsigned int k = of.lower[i]; k < of.lower[i + 1]; ++k)
-            of.place[of.columns[k]] = k;
-          for (unsigned int k = of.upper[i]; k < upper_end(i); ++k)
-            of.place[of.columns[k]] = k;
+          const auto set_places = [&](const bool are_known) {
+            for (unsigned int k = of.lower[i]; k < of.lower[i + 1]; ++k)
+              of.place[of.columns[k]] = are_known ? k : none;
+            for (unsigned int k = of.upper[i]; k < upper_end(i); ++k)
+              of.place[of.columns[k]] = are_known ? k : none;
+          };
+          set_places(true);
           for (unsigned int k = of.lower[i]; k < of.lower[i + 1]; ++k)
             {
               // L_ij = A_ij / U_jj, and its products with the row j of U
@@ -283,10 +286,7 @@ namespace emmy
                   left.add_product(block(l), block(of.place[of.columns[l]]));
             }
           invert<n>(block(of.upper[i]));
-          for (unsigned int k = of.lower[i]; k < of.lower[i + 1]; ++k)
-            of.place[of.columns[k]] = none;
-          for (unsigned int k = of.upper[i]; k < upper_end(i); ++k)
-            of.place[of.columns[k]] = none;
+          set_places(false);
         }
     }
   } // namespace

@@ -157,19 +157,27 @@ namespace emmy
             }
         }
     }
-    /** sum += entries of a row times the motions of their columns. */
-    template <int n_modes>
-    EMMY_INLINE void
-    add_motions(const double *entries,
-                const int    *columns,
-                const int     n,
-                const double *motions,
-                double       *sum)
+    /** Neighbours in a row of the matrix, and the motions of all columns. */
+    template <int dim>
+    struct RowPart
     {
-      double sums[n_modes]{};
-      for (int k = 0; k < n; ++k)
+      int           n;
+      const double *entries;
+      const int    *columns;
+      const double *motions; ///< by column and mode
+    };
+
+    /** sum += entries times the motions of their columns, by mode. */
+    template <int dim>
+    EMMY_INLINE void
+    add_motions(const RowPart<dim> &part, double *sum)
+    {
+      constexpr int n_modes = Correction<dim>::n_modes;
+      double        sums[n_modes]{};
+      for (int k = 0; k < part.n; ++k)
         for (int m = 0; m < n_modes; ++m)
-          sums[m] += entries[k] * motions[n_modes * columns[k] + m];
+          sums[m] +=
+            part.entries[k] * part.motions[n_modes * part.columns[k] + m];
       for (int m = 0; m < n_modes; ++m)
         sum[m] += sums[m];
     }
@@ -179,22 +187,14 @@ namespace emmy
   {
     // no templates: those have no clones
     EMMY_CLONES void
-    add_in_plane(const double *entries,
-                 const int    *columns,
-                 const int     n,
-                 const double *motions,
-                 double       *sum)
+    add(const RowPart<2> &part, double *sum)
     {
-      add_motions<3>(entries, columns, n, motions, sum);
+      add_motions(part, sum);
     }
     EMMY_CLONES void
-    add_in_space(const double *entries,
-                 const int    *columns,
-                 const int     n,
-                 const double *motions,
-                 double       *sum)
+    add(const RowPart<3> &part, double *sum)
     {
-      add_motions<6>(entries, columns, n, motions, sum);
+      add_motions(part, sum);
     }
     EMMY_CLONES void
     correct(const Correction<2> &at)
@@ -293,8 +293,6 @@ namespace emmy
                              const std::vector<unsigned int> &box_of,
                              const std::vector<Motion>       &motions)
   {
-    constexpr auto add =
-      dim == 2 ? box_kernels::add_in_plane : box_kernels::add_in_space;
     const Epetra_CrsMatrix &entries = matrix.trilinos_matrix();
     first.assign(1, 0);
     boxes.clear();
@@ -316,11 +314,11 @@ namespace emmy
                 const int          begin = k;
                 while (k < length && box_of[columns[k]] == box)
                   ++k;
-                add(values + begin,
-                    columns + begin,
-                    k - begin,
-                    motions.front().data(),
-                    sum.data());
+                box_kernels::add(RowPart<dim>{k - begin,
+                                              values + begin,
+                                              columns + begin,
+                                              motions.front().data()},
+                                 sum.data());
                 const auto place =
                   std::find(boxes.begin() + first.back(), boxes.end(), box) -
                   boxes.begin();

@@ -1,9 +1,8 @@
-#include <emmy/math/lanes.h>
+#include <emmy/math/four_numbers.h>
 #include <emmy/solve/gmres.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 // vectors stay within this file
 #pragma GCC diagnostic ignored "-Wpsabi"
@@ -21,19 +20,6 @@ namespace emmy
 
     /** A part that is round-off. */
     constexpr double nothing = 1e-13;
-
-    /** Numbers that a register holds. */
-    constexpr std::size_t n_together = 4;
-    /** These. */
-    using Together = LanesOf<n_together>::type;
-
-    EMMY_INLINE Together
-    read(const double *numbers)
-    {
-      Together result;
-      std::memcpy(&result, numbers, sizeof result);
-      return result;
-    }
 
     /** A rotation that turns (a, b) to (r, 0), and applied to others. */
     struct Rotation
@@ -66,12 +52,12 @@ namespace emmy
     product(const double *a, const double *b, const std::size_t n)
     {
       // two sums, as one alone waits for each addition
-      Together    sums[2]{};
+      FourNumbers sums[2]{};
       std::size_t i = 0;
       for (; i + 2 * n_together <= n; i += 2 * n_together)
         for (unsigned int k = 0; k < 2; ++k)
-          sums[k] +=
-            read(a + i + k * n_together) * read(b + i + k * n_together);
+          sums[k] += read_together(a + i + k * n_together) *
+                     read_together(b + i + k * n_together);
       sums[0] += sums[1];
       double result = (sums[0][0] + sums[0][1]) + (sums[0][2] + sums[0][3]);
       for (; i < n; ++i)

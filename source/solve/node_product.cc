@@ -27,7 +27,10 @@ namespace emmy
       double              *y;
     };
 
-    /** The rows of a node at once, where they are near, as in the plane. */
+    /**
+     * The rows of a node at once, where they are near, as in the plane: fewer
+     * instructions than one after the other.
+     */
     template <int dim>
     EMMY_INLINE void
     multiply_nodes(const Product<dim> &at)

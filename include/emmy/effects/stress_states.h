@@ -174,36 +174,10 @@ namespace emmy
     const std::vector<std::vector<unsigned int>> parameters;
   };
 
-  /**
-   * Displacement gradients of a batch, H_ij = sum u_ai dS_a/dx_j, and how many
-   * points it has.
-   *
-   * @param displacement at the local nodes, [dim * node + c], m
-   */
-  template <int dim>
-  void
-  displacement_gradients(const PointBatch<dim>     &points,
-                         const ActiveGrid<dim>     &active,
-                         const std::vector<double> &displacement,
-                         StressBatch<dim>          &batch);
-
   /** A particle with det(Delta F) <= 0, in words. */
   template <int dim>
   std::string
   inverted_particle(const Stencils<dim> &stencils, const std::size_t point);
-
-  /**
-   * Add V0 P grad S of a batch to the forces of the nodes, [dim * node + c], N.
-   *
-   * @param volumes of all points, m^3
-   */
-  template <int dim>
-  void
-  add_forces(const PointBatch<dim>  &points,
-             const ActiveGrid<dim>  &active,
-             const double           *volumes,
-             const StressBatch<dim> &batch,
-             std::vector<double>    &force);
 } // namespace emmy
 
 #endif
