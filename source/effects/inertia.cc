@@ -81,10 +81,7 @@ namespace emmy
       for (unsigned int a = 0; a < block.mass.m(); ++a)
         block.mass(a, a) += block.damping[a];
       block.mass *= inertia_factor(step.time_step);
-      active.graph().add_components(block.nodes,
-                                    block.mass,
-                                    NodeGraph<dim>::Conditions::worked_in,
-                                    *jacobian);
+      active.graph().add_components(block.nodes, block.mass, *jacobian);
     };
     if (jacobian && step.moving) // it does the points
       step.start.hand_out_added_mass(add_block);

@@ -86,11 +86,9 @@ namespace emmy
                                step.phases,
                                [&](MassBlock &block) {
                                  block.mass *= rate / step.time_step;
-                                 active.graph().add_components(
-                                   block.nodes,
-                                   block.mass,
-                                   NodeGraph<dim>::Conditions::worked_in,
-                                   *jacobian);
+                                 active.graph().add_components(block.nodes,
+                                                               block.mass,
+                                                               *jacobian);
                                });
     return "";
   }

@@ -284,9 +284,9 @@ namespace emmy
       for (unsigned int i = 0; i < dim; ++i)
         {
           share[unknown<dim>(around.nodes()[a], i)] += work.share[i * n + a];
-          work.sum[((i * dim + i) * n + a) * n + a] += work.diagonal[a];
+          work.sum[((a * dim + i) * n + a) * dim + i] += work.diagonal[a];
         }
-    return {work.sum.data(), work.n_nodes, dim * n * n, n * n, n};
+    return {work.sum.data(), work.n_nodes, dim * n, 1, dim * dim * n, dim};
   }
 
   template <int dim>

@@ -47,8 +47,7 @@ namespace emmy
         matrix = &new_matrix;
         places = new_places;
         product.set(*matrix);
-        const Epetra_CrsGraph &graph = matrix->trilinos_matrix().Graph();
-        is_kept = serves && places && graph.DataPtr() == pattern->DataPtr();
+        is_kept = serves && places && has_nodes_of_before();
         return is_kept ? LinearResult() : make();
       }
 
@@ -89,7 +88,6 @@ namespace emmy
       make()
       {
         LinearResult result;
-        pattern.reset(); // else an old one would stand beside the new
         try
           {
             preconditioner->make(*matrix, places);
@@ -102,11 +100,24 @@ namespace emmy
         result  = agreed(result, matrix->get_mpi_communicator());
         is_kept = false;
         serves  = result.is_solved && places;
-        // a copy shares what it has: no other pattern can have its place
-        pattern = serves ? std::make_unique<Epetra_CrsGraph>(
-                             matrix->trilinos_matrix().Graph())
-                         : nullptr;
+        if (serves)
+          nodes_of_before = places->coordinates;
         return result;
+      }
+
+      /** Whether the rows are of the nodes of which the preconditioner was
+       * made. Other pairs of them may meet: it is an approximation anyway. */
+      bool
+      has_nodes_of_before() const
+      {
+        const Epetra_MultiVector &now = places->coordinates.trilinos_vector();
+        const Epetra_MultiVector &before = nodes_of_before.trilinos_vector();
+        if (!now.Map().SameAs(before.Map()))
+          return false;
+        const bool is_same =
+          std::equal(now[0], now[0] + now.MyLength(), before[0]);
+        return dealii::Utilities::MPI::min(is_same ? 1 : 0,
+                                           matrix->get_mpi_communicator()) == 1;
       }
 
       /**
@@ -199,9 +210,7 @@ namespace emmy
       const NodePlaces                     *places = nullptr;
       NodeProduct                           product;
       const std::unique_ptr<Preconditioner> preconditioner;
-      /** Of the matrix that the preconditioner was made of, if it can serve
-       * for others. */
-      std::unique_ptr<const Epetra_CrsGraph> pattern;
+      Vector nodes_of_before;    ///< coordinates by row
       bool   serves     = false; ///< for the next matrix too
       bool   is_kept    = false; ///< from a matrix before
       double first_rate = 0.;    ///< with the matrix that it was made of

@@ -12,6 +12,7 @@
 #include <emmy/study/study_parameters.h>
 #include <emmy/study/verify.h>
 
+#include <cstdlib>
 #include <iostream>
 #include <memory>
 #include <sstream>
@@ -194,6 +195,8 @@ namespace emmy
   run_program(int argc, char *argv[])
   {
     auto watch = std::make_unique<SignalWatch>(); // starting takes seconds
+    // one process without mpirun: Open MPI starts no daemon for it, 0.2 s
+    setenv("OMPI_MCA_ess_singleton_isolated", "1", /*overwrite=*/0);
     dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
     watch->renew();
     const bool is_first =

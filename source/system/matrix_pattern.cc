@@ -9,6 +9,16 @@ namespace emmy
 {
   using dealii::types::global_dof_index;
 
+  namespace
+  {
+    /** A graph that may be told that its columns are sorted. */
+    struct SortedGraph : Epetra_CrsGraph
+    {
+      using Epetra_CrsGraph::Epetra_CrsGraph;
+      using Epetra_CrsGraph::SetSorted;
+    };
+  } // namespace
+
   template <int dim>
   std::unique_ptr<const Epetra_CrsMatrix>
   matrix_pattern(const std::vector<std::vector<unsigned int>> &rows,
@@ -26,7 +36,7 @@ namespace emmy
     for (const std::vector<unsigned int> &row : rows)
       lengths.insert(lengths.end(), dim, dim * row.size());
     // local indices: nothing is looked up, nothing sorted
-    Epetra_CrsGraph graph(
+    SortedGraph graph(
       Copy, map, column_map, lengths.data(), /*StaticProfile=*/true);
     std::vector<int> columns;
     for (unsigned int node = 0; node < rows.size(); ++node)
@@ -40,6 +50,7 @@ namespace emmy
                                 columns.size(),
                                 columns.data());
       }
+    graph.SetSorted(true); // else a third of the time goes into sorting
     graph.FillComplete(map, map);
     graph.OptimizeStorage();
     return std::make_unique<const Epetra_CrsMatrix>(View, graph);

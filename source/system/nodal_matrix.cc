@@ -307,19 +307,25 @@ namespace emmy
     const unsigned int    i     = unknown<dim>(node, component);
     // C^T A C: followers hand over to their roots
     graph.for_each_root(i, [&](const unsigned int root_i, const double w) {
-      const auto there = graph.row(root_i / dim);
-      for (unsigned int k = 0; k < there.n; ++k)
-        place_of_node[there.nodes[k]] = there.first + k;
-      double *entries = graph.entries_of(root_i, matrix);
+      const auto there    = graph.row(root_i / dim);
+      double    *entries  = graph.entries_of(root_i, matrix);
+      const auto place_of = [&](const unsigned int other) {
+        return there.first +
+               (std::lower_bound(there.nodes, there.nodes + there.n, other) -
+                there.nodes);
+      };
       for (unsigned int k = 0; k < row.n; ++k)
-        if (row_values[k] != 0.)
-          graph.for_each_root(unknown<dim>(row.nodes[k], component),
-                              [&](const unsigned int root_j, const double v) {
-                                const std::size_t pair =
-                                  place_of_node[root_j / dim];
-                                entries[graph.place(pair, component)] +=
-                                  w * v * row_values[k];
-                              });
+        {
+          const unsigned int j = unknown<dim>(row.nodes[k], component);
+          if (root_i == i && graph.is_free(j))
+            entries[graph.place(row.first + k, component)] += row_values[k];
+          else if (row_values[k] != 0.)
+            graph.for_each_root(
+              j, [&](const unsigned int root_j, const double v) {
+                entries[graph.place(place_of(root_j / dim), component)] +=
+                  w * v * row_values[k];
+              });
+        }
     });
     // an equation without couplings, of the size of the others
     if (!graph.is_free(i))

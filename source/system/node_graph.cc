@@ -1,8 +1,8 @@
 #include <emmy/base/exceptions.h>
 #include <emmy/base/index_limits.h>
 #include <emmy/base/unknown.h>
+#include <emmy/system/block_adder.h>
 #include <emmy/system/matrix_pattern.h>
-#include <emmy/system/node_graph.h>
 
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_MpiComm.h>
@@ -25,11 +25,10 @@ namespace emmy
   {
     this->first_dofs = first_dofs;
     n_owned          = owned_dofs.n_elements() / dim;
-    place_of_node.resize(first_dofs.size());
-    marked_by.assign(first_dofs.size(), dealii::numbers::invalid_unsigned_int);
     note_conditions(constraints);
     find_plain_nodes();
     find_neighbours(cliques);
+    adder              = std::make_unique<BlockAdder<dim>>(*this);
     const bool is_same = before && first_dofs == before->first_dofs &&
                          n_owned == before->n_owned && first == before->first &&
                          neighbours == before->neighbours;
@@ -56,6 +55,7 @@ namespace emmy
   NodeGraph<dim>::reinit(Matrix &matrix) const
   {
     matrix.reinit(*pattern, /*copy_values=*/false);
+    adder->begin();
   }
 
   template <int dim>
@@ -65,6 +65,7 @@ namespace emmy
     const Epetra_CrsMatrix &entries = matrix.trilinos_matrix();
     for (int row = 0; row < entries.NumMyRows(); ++row)
       std::fill_n(entries[row], entries.NumMyEntries(row), 0.);
+    adder->begin();
     // what an evaluation left that did not come to its end
     for (unsigned int node = n_owned; node < n_nodes(); ++node)
       std::fill_n(foreign.row(node, 0), dim * dim * row(node).n, 0.);
@@ -266,145 +267,11 @@ namespace emmy
   }
 
   template <int dim>
-  void
-  NodeGraph<dim>::find_places_of(const unsigned int  node,
-                                 const unsigned int *nodes,
-                                 const unsigned int  n) const
-  {
-    for (std::size_t k = first[node]; k < first[node + 1]; ++k)
-      {
-        place_of_node[neighbours[k]] = k;
-        marked_by[neighbours[k]]     = node;
-      }
-    for (unsigned int b = 0; b < n; ++b)
-      if (marked_by[nodes[b]] == node)
-        node_places.emplace_back(b, place(place_of_node[nodes[b]], 0));
-  }
-
-  template <int dim>
   double *
   NodeGraph<dim>::entries_of(const unsigned int unknown, Matrix &matrix) const
   {
     return unknown / dim < n_owned ? matrix.trilinos_matrix()[unknown]
                                    : foreign.row(unknown / dim, unknown % dim);
-  }
-
-  template <int dim>
-  void
-  NodeGraph<dim>::scatter(const unsigned int    *nodes,
-                          const ComponentBlocks &blocks,
-                          Matrix                &matrix) const
-  {
-    // entries come from memory while the next places are looked for
-    constexpr unsigned int end = dealii::numbers::invalid_unsigned_int;
-    node_places.clear();
-    for (unsigned int a = 0; a < blocks.n_nodes; ++a)
-      {
-        const std::size_t begin = node_places.size();
-        find_places_of(nodes[a], nodes, blocks.n_nodes);
-        for (unsigned int i = 0; i < dim; ++i)
-          {
-            const double *row = entries_of(unknown<dim>(nodes[a], i), matrix);
-            for (std::size_t k = begin; k < node_places.size(); ++k)
-              __builtin_prefetch(row + node_places[k].second, 1);
-          }
-        node_places.emplace_back(end, 0);
-      }
-    const auto *begin = node_places.data();
-    for (unsigned int a = 0; a < blocks.n_nodes; ++a)
-      {
-        const auto *next = begin;
-        for (unsigned int i = 0; i < dim; ++i)
-          {
-            double       *row = entries_of(unknown<dim>(nodes[a], i), matrix);
-            const double *values = blocks.at(i, 0, a);
-            for (next = begin; next->first != end; ++next)
-              for (unsigned int j = 0; j < dim; ++j)
-                row[next->second + j] +=
-                  values[j * blocks.by_j + next->first * blocks.by_b];
-          }
-        begin = next + 1;
-      }
-  }
-
-  template <int dim>
-  void
-  NodeGraph<dim>::find_roots_of(const unsigned int *nodes,
-                                const unsigned int  n) const
-  {
-    extended.assign(nodes, nodes + n);
-    for (unsigned int c = 0; c < dim; ++c)
-      {
-        shares[c].clear();
-        bound[c].clear();
-        for (unsigned int a = 0; a < n; ++a)
-          {
-            const unsigned int i = unknown<dim>(nodes[a], c);
-            if (free_unknowns[i])
-              continue;
-            bound[c].push_back(a);
-            for_each_root(i, [&](const unsigned int root, const double weight) {
-              const auto place =
-                std::find(extended.begin(), extended.end(), root / dim);
-              shares[c].push_back(
-                {a,
-                 static_cast<unsigned int>(place - extended.begin()),
-                 weight});
-              if (place == extended.end())
-                extended.push_back(root / dim);
-            });
-          }
-      }
-  }
-
-  template <int dim>
-  ComponentBlocks
-  NodeGraph<dim>::condense(const unsigned int    *nodes,
-                           const ComponentBlocks &blocks) const
-  {
-    find_roots_of(nodes, blocks.n_nodes);
-    const unsigned int n = blocks.n_nodes, n_all = extended.size();
-    condensed.assign(dim * dim * n_all * n_all, 0.);
-    const ComponentBlocks result{condensed.data(),
-                                 n_all,
-                                 dim * n_all * n_all,
-                                 std::size_t(n_all) * n_all,
-                                 n_all};
-    double                mean = 0.;
-    for (unsigned int i = 0; i < dim; ++i)
-      for (unsigned int a = 0; a < n; ++a)
-        mean += std::abs(blocks.at(i, i, a)[a * blocks.by_b]) / (dim * n);
-    for (unsigned int i = 0; i < dim; ++i)
-      for (unsigned int j = 0; j < dim; ++j)
-        {
-          double    *first_row = &condensed[(i * dim + j) * n_all * n_all];
-          const auto row       = [&](const unsigned int a) {
-            return first_row + a * n_all;
-          };
-          for (unsigned int a = 0; a < n; ++a)
-            {
-              const double *values = blocks.at(i, j, a);
-              for (unsigned int b = 0; b < n; ++b)
-                row(a)[b] = values[b * blocks.by_b];
-              for (const Share &share : shares[j])
-                row(a)[share.to] += share.weight * row(a)[share.from];
-              for (const unsigned int b : bound[j])
-                row(a)[b] = 0.;
-            }
-          for (const Share &share : shares[i])
-            for (unsigned int b = 0; b < n_all; ++b)
-              row(share.to)[b] += share.weight * row(share.from)[b];
-          for (const unsigned int a : bound[i])
-            std::fill_n(row(a), n_all, 0.);
-          // an equation without couplings, of the size of the others
-          for (unsigned int k = 0; i == j && k < bound[i].size(); ++k)
-            {
-              const unsigned int a = bound[i][k];
-              const double size = std::abs(blocks.at(i, i, a)[a * blocks.by_b]);
-              row(a)[a]         = size != 0. ? size : mean;
-            }
-        }
-    return result;
   }
 
   template <int dim>
@@ -425,42 +292,20 @@ namespace emmy
                       const ComponentBlocks &blocks,
                       Matrix                &matrix) const
   {
-    if (std::all_of(nodes,
-                    nodes + blocks.n_nodes,
-                    [this](const unsigned int node) {
-                      return is_plain[node] != 0;
-                    }))
-      return scatter(nodes, blocks, matrix);
-    const ComponentBlocks on_free = condense(nodes, blocks);
-    scatter(extended.data(), on_free, matrix);
+    adder->add(nodes, blocks, matrix);
   }
 
   template <int dim>
   void
   NodeGraph<dim>::add_components(const unsigned int               *nodes,
                                  const dealii::FullMatrix<double> &nodal,
-                                 const Conditions                  conditions,
                                  Matrix                           &matrix) const
   {
     const unsigned int n = nodal.m();
-    if (conditions == Conditions::left_out ||
-        std::all_of(nodes, nodes + n, [&](const unsigned int node) {
-          return is_plain[node] != 0;
+    if (std::all_of(nodes, nodes + n, [&](const unsigned int node) {
+          return has_no_condition(node);
         }))
-      {
-        for (unsigned int a = 0; a < n; ++a)
-          {
-            node_places.clear();
-            find_places_of(nodes[a], nodes, n);
-            for (unsigned int c = 0; c < dim; ++c)
-              {
-                double *row = entries_of(unknown<dim>(nodes[a], c), matrix);
-                for (const auto &[b, place] : node_places)
-                  row[place + c] += nodal(a, b);
-              }
-          }
-        return;
-      }
+      return adder->add_components(nodes, nodal, matrix);
     dealii::FullMatrix<double> block(dim * n, dim * n);
     for (unsigned int a = 0; a < n; ++a)
       for (unsigned int b = 0; b < n; ++b)

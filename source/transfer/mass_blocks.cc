@@ -1,33 +1,90 @@
+#include <emmy/math/four_numbers.h>
 #include <emmy/system/neighbourhood.h>
 #include <emmy/transfer/mass_blocks.h>
+
+#include <array>
+
+// vectors stay within this file
+#pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace emmy
 {
   namespace
   {
-    /** That of a group, whose nodes stand at @p places in the matrix. */
-    template <int dim>
-    void
-    add_consistent_mass(const Stencils<dim>                 &stencils,
-                        const typename Stencils<dim>::Group &group,
-                        const double                        *masses,
-                        const unsigned int                  *places,
-                        dealii::FullMatrix<double>          &mass)
+    /** Points whose rows stay in the first-level cache. */
+    constexpr unsigned int most_points = 16;
+
+    /** Some points, and what they reach of a neighbourhood's nodes. */
+    struct MassPoints
     {
-      for (unsigned int a = 0; a < group.n_nodes; ++a)
+      std::vector<double> masses;
+      std::vector<double> S; ///< point by point; rows over the nodes
+      unsigned int        n_nodes = 0, n_padded = 0;
+      std::vector<double> sum; ///< of m S_a S_b, b <= a: [a n_padded + b]
+    };
+  } // namespace
+
+  namespace mass_kernels
+  {
+    // no template: it has no clones
+    EMMY_CLONES void
+    add(MassPoints &points)
+    {
+      const unsigned int n = points.n_padded, n_points = points.masses.size();
+      const double      *S = points.S.data();
+      std::array<double, most_points> momenta;
+      for (unsigned int a = 0; a < points.n_nodes; ++a)
         {
-          const double *S_a = stencils.value(group, a);
-          for (unsigned int b = 0; b <= a; ++b)
+          for (unsigned int q = 0; q < n_points; ++q)
+            momenta[q] = points.masses[q] * S[q * n + a];
+          double *row = &points.sum[a * n];
+          for (unsigned int b = 0; b <= a; b += n_together)
             {
-              const double *S_b = stencils.value(group, b);
-              double        sum = 0.;
-              for (unsigned int p = 0; p < group.n_points; ++p)
-                sum += masses[group.first_point + p] * S_a[p] * S_b[p];
-              mass(places[a], places[b]) += sum;
-              if (a != b)
-                mass(places[b], places[a]) += sum;
+              auto sum = read_together(row + b);
+              for (unsigned int q = 0; q < n_points; ++q)
+                sum += momenta[q] * read_together(S + q * n + b);
+              write_together(sum, row + b);
             }
         }
+    }
+  } // namespace mass_kernels
+
+  namespace
+  {
+    /** The consistent mass of a neighbourhood. */
+    template <int dim>
+    void
+    find_consistent_mass(const Stencils<dim>                 &stencils,
+                         const typename Stencils<dim>::Group &first,
+                         const Neighbourhood<dim>            &around,
+                         const double                        *masses,
+                         MassPoints                          &points,
+                         dealii::FullMatrix<double>          &mass)
+    {
+      const unsigned int n = points.n_nodes = around.nodes().size();
+      points.n_padded = (n + n_together - 1) / n_together * n_together;
+      points.sum.assign(n * points.n_padded, 0.);
+      const auto add = [&] {
+        mass_kernels::add(points);
+        points.masses.clear();
+        points.S.clear();
+      };
+      for (auto group = &first; group != around.end(); ++group)
+        for (unsigned int p = 0; p < group->n_points; ++p)
+          {
+            points.masses.push_back(masses[group->first_point + p]);
+            points.S.resize(points.masses.size() * points.n_padded, 0.);
+            double *S = &points.S[points.S.size() - points.n_padded];
+            for (unsigned int a = 0; a < group->n_nodes; ++a)
+              S[around.places(*group)[a]] = stencils.value(*group, a)[p];
+            if (points.masses.size() == most_points)
+              add();
+          }
+      add();
+      mass.reinit(n, n, /*omit_default_initialization=*/true);
+      for (unsigned int a = 0; a < n; ++a)
+        for (unsigned int b = 0; b <= a; ++b)
+          mass(a, b) = mass(b, a) = points.sum[a * points.n_padded + b];
     }
 
     /** Lump, and find the damping, of a consistent mass. */
@@ -121,18 +178,17 @@ namespace emmy
   {
     dealii::FullMatrix<double> mass;
     std::vector<double>        damping;
+    MassPoints                 points;
     Neighbourhood<dim>         around(stencils, *start.active);
-    const auto                 end = stencils.groups.end();
-    for (auto group = stencils.groups.begin(); group != end;)
+    const auto *const end = stencils.groups.data() + stencils.groups.size();
+    for (auto group = stencils.groups.data(); group != end;
+         group      = around.end())
       {
-        around.begin(*group);
-        mass.reinit(around.nodes().size(), around.nodes().size());
-        for (; group != end && around.has(*group); ++group)
-          add_consistent_mass<dim>(
-            stencils, *group, masses, around.places(*group), mass);
-        lump_and_damp(start.lumping, phases, mass, damping);
-        MassBlock block{around.nodes().data(), mass, damping};
-        receive(block);
+             around.begin(*group);
+             find_consistent_mass(stencils, *group, around, masses, points, mass);
+             lump_and_damp(start.lumping, phases, mass, damping);
+             MassBlock block{around.nodes().data(), mass, damping};
+             receive(block);
       }
     start.hand_out_added_mass(receive);
   }

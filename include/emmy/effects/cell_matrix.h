@@ -55,18 +55,15 @@ namespace emmy
     ComponentBlocks
     blocks() const
     {
-      return {sum.data(),
-              n_nodes,
-              dim * n_padded * n_padded,
-              n_padded * n_padded,
-              n_padded};
+      return {
+        sum.data(), n_nodes, dim * n_padded, 1, dim * dim * n_padded, dim};
     }
 
   private:
     unsigned int n_nodes = 0, n_padded = 0; ///< full lanes
     bool         is_empty = true;           ///< no points yet
     Reach        reach;
-    /** [((i dim + j) n_padded + a) n_padded + b] */
+    /** [((a dim + i) n_padded + b) dim + j] */
     dealii::AlignedVector<double> sum;
     /** Of some points: grad S, [(q dim + L) n_padded + b]. */
     dealii::AlignedVector<double> slopes;

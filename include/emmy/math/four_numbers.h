@@ -21,6 +21,13 @@ namespace emmy
     std::memcpy(&result, numbers, sizeof result);
     return result;
   }
+
+  /** Put four anywhere in an array. */
+  EMMY_INLINE void
+  write_together(const FourNumbers &numbers, double *to)
+  {
+    std::memcpy(to, &numbers, sizeof numbers);
+  }
 } // namespace emmy
 
 #endif

@@ -18,6 +18,9 @@ class Epetra_CrsMatrix;
 
 namespace emmy
 {
+  template <int dim>
+  class BlockAdder;
+
   /**
    * A small matrix of the unknowns of some nodes: that of components i, j at
    * nodes a, b stands at values[i by_i + j by_j + a by_a + b by_b].
@@ -85,8 +88,14 @@ namespace emmy
     {
       return neighbours.size();
     }
-    /** Where component c of a pair's second node stands in the rows of the
-     * first. */
+    /** Where a pair's second node stands in the rows of the first, in nodes.
+     */
+    unsigned int
+    place(const std::size_t pair) const
+    {
+      return places[pair];
+    }
+    /** The same of its component c, in entries. */
     unsigned int
     place(const std::size_t pair, const unsigned int c) const
     {
@@ -95,6 +104,12 @@ namespace emmy
     /** What is added to the row of a local unknown. */
     double *
     entries_of(const unsigned int unknown, Matrix &matrix) const;
+    /** Whether no unknown of a local node has a condition. */
+    bool
+    has_no_condition(const unsigned int node) const
+    {
+      return is_plain[node] != 0;
+    }
     /** Whether a local unknown, dim * node + c, has no condition. */
     bool
     is_free(const unsigned int unknown) const
@@ -183,19 +198,12 @@ namespace emmy
     void
     add_components(const unsigned int               *nodes,
                    const dealii::FullMatrix<double> &nodal,
-                   const Conditions                  conditions,
                    Matrix                           &matrix) const;
 
   private:
     using Dofs = std::vector<dealii::types::global_dof_index>;
     /** Unknowns with weights. */
     using Roots = std::vector<std::pair<unsigned int, double>>;
-    /** What a follower hands to a root; indices in extended. */
-    struct Share
-    {
-      unsigned int from, to;
-      double       weight;
-    };
 
     void
     note_conditions(const Constraints &constraints);
@@ -213,26 +221,6 @@ namespace emmy
     void
     make_pattern(const dealii::IndexSet &owned_dofs,
                  const MPI_Comm          communicator);
-
-    /** Which of some nodes an owned node meets, into node_places. */
-    void
-    find_places_of(const unsigned int  node,
-                   const unsigned int *nodes,
-                   const unsigned int  n) const;
-    /** Add a matrix to the rows as it is. */
-    void
-    scatter(const unsigned int    *nodes,
-            const ComponentBlocks &blocks,
-            Matrix                &matrix) const;
-    /** Of some nodes: those and their roots, shares and bound. */
-    void
-    find_roots_of(const unsigned int *nodes, const unsigned int n) const;
-    /**
-     * C^T block C, over the nodes in extended: followers hand over to their
-     * roots. Valid until the next call.
-     */
-    ComponentBlocks
-    condense(const unsigned int *nodes, const ComponentBlocks &blocks) const;
 
     Dofs         first_dofs;
     unsigned int n_owned = 0; ///< nodes
@@ -253,16 +241,7 @@ namespace emmy
     std::vector<unsigned int>               places;
     ForeignRows<dim>                        foreign;
     std::shared_ptr<const Epetra_CrsMatrix> pattern; ///< of one or more graphs
-
-    // work arrays of a call
-    mutable std::vector<unsigned int> place_of_node, marked_by;
-    /** Index among nodes, and place in the rows, of those that a node meets. */
-    mutable std::vector<std::pair<unsigned int, unsigned int>> node_places;
-    mutable std::vector<unsigned int>                          extended;
-    mutable std::array<std::vector<Share>, dim>                shares;
-    /** Indices of nodes with a condition, by component. */
-    mutable std::array<std::vector<unsigned int>, dim> bound;
-    mutable std::vector<double>                        condensed;
+    std::unique_ptr<BlockAdder<dim>>        adder;
   };
 } // namespace emmy
 
