@@ -1,6 +1,7 @@
 #include <emmy/effects/inertia.h>
 #include <emmy/effects/moving_places.h>
 #include <emmy/effects/node_lanes.h>
+#include <emmy/particles/with_n_points.h>
 #include <emmy/transfer/mass_blocks.h>
 
 #include <algorithm>
@@ -415,23 +416,24 @@ namespace emmy
                                   std::vector<double>       &motion) const
   {
     const unsigned int *nodes     = step.start.active->nodes(group);
-    const unsigned int  n         = group.n_points;
     const unsigned int  n_weights = with_gradients ? dim + 1 : 1;
-    motion.assign(n_weights * dim * n, 0.);
-    for (unsigned int a = 0; a < group.n_nodes; ++a)
-      for (unsigned int l = 0; l < n_weights; ++l)
-        {
-          const double *weight = l == 0
-                                   ? step.stencils.value(group, a)
-                                   : step.stencils.gradient(group, a, l - 1);
-          for (unsigned int c = 0; c < dim; ++c)
-            {
-              const double u_a = u[unknown<dim>(nodes[a], c)];
-              double      *sum = &motion[(l * dim + c) * n];
-              for (unsigned int q = 0; q < n; ++q)
-                sum[q] += weight[q] * u_a;
-            }
-        }
+    motion.assign(n_weights * dim * group.n_points, 0.);
+    with_n_points(group.n_points, [&](const auto n) {
+      for (unsigned int a = 0; a < group.n_nodes; ++a)
+        for (unsigned int l = 0; l < n_weights; ++l)
+          {
+            const double *weight = l == 0
+                                     ? step.stencils.value(group, a)
+                                     : step.stencils.gradient(group, a, l - 1);
+            for (unsigned int c = 0; c < dim; ++c)
+              {
+                const double u_a = u[unknown<dim>(nodes[a], c)];
+                double      *sum = &motion[(l * dim + c) * n];
+                for (unsigned int q = 0; q < n; ++q)
+                  sum[q] += weight[q] * u_a;
+              }
+          }
+    });
   }
 
   template <int dim>

@@ -60,6 +60,15 @@ namespace emmy
         }
     }
 
+    /** Note where the nodes of a row stand. */
+    template <class Row>
+    void
+    mark(const Row &row, std::vector<std::size_t> &place_of_node)
+    {
+      for (unsigned int k = 0; k < row.n; ++k)
+        place_of_node[row.nodes[k]] = row.first + k;
+    }
+
     template <int dim>
     EMMY_INLINE void
     sweep_rows(const Rows<dim> &rows,
@@ -274,25 +283,26 @@ namespace emmy
                             const RowValues   &row_values,
                             const Conditions   conditions) const
   {
-    const NodeGraph<dim> &graph     = active->graph();
-    const auto            row       = graph.row(node);
-    const auto            has_plain = [&](const unsigned int other) {
-      for (unsigned int c = 0; c < dim; ++c)
-        if (!graph.is_free(unknown<dim>(other, c)))
-          return false;
-      return true;
-    };
-    const bool is_plain = conditions == Conditions::left_out ||
-                          std::all_of(row.nodes, row.nodes + row.n, has_plain);
+    const NodeGraph<dim> &graph = active->graph();
+    const auto            row   = graph.row(node);
+    if (conditions == Conditions::worked_in &&
+        !std::all_of(row.nodes,
+                     row.nodes + row.n,
+                     [&](const unsigned int other) {
+                       return graph.has_no_condition(other);
+                     }))
+      {
+        mark(row, place_of_node);
+        for (unsigned int c = 0; c < dim; ++c)
+          add_row_with_conditions(matrix, node, row_values, c);
+        return;
+      }
     for (unsigned int c = 0; c < dim; ++c)
-      if (!is_plain)
-        add_row_with_conditions(matrix, node, row_values, c);
-      else
-        {
-          double *entries = graph.entries_of(unknown<dim>(node, c), matrix);
-          for (unsigned int k = 0; k < row.n; ++k)
-            entries[graph.place(row.first + k, c)] += row_values[k];
-        }
+      {
+        double *entries = graph.entries_of(unknown<dim>(node, c), matrix);
+        for (unsigned int k = 0; k < row.n; ++k)
+          entries[graph.place(row.first + k, c)] += row_values[k];
+      }
   }
 
   template <int dim>
@@ -305,27 +315,28 @@ namespace emmy
     const NodeGraph<dim> &graph = active->graph();
     const auto            row   = graph.row(node);
     const unsigned int    i     = unknown<dim>(node, component);
-    // C^T A C: followers hand over to their roots
+    // C^T A C: followers hand over to their roots; the node's own row is marked
     graph.for_each_root(i, [&](const unsigned int root_i, const double w) {
-      const auto there    = graph.row(root_i / dim);
-      double    *entries  = graph.entries_of(root_i, matrix);
-      const auto place_of = [&](const unsigned int other) {
-        return there.first +
-               (std::lower_bound(there.nodes, there.nodes + there.n, other) -
-                there.nodes);
-      };
+      const bool is_own = root_i == i;
+      if (!is_own)
+        mark(graph.row(root_i / dim), place_of_node);
+      double *entries = graph.entries_of(root_i, matrix);
       for (unsigned int k = 0; k < row.n; ++k)
         {
           const unsigned int j = unknown<dim>(row.nodes[k], component);
-          if (root_i == i && graph.is_free(j))
+          if (is_own && graph.is_free(j))
             entries[graph.place(row.first + k, component)] += row_values[k];
           else if (row_values[k] != 0.)
-            graph.for_each_root(
-              j, [&](const unsigned int root_j, const double v) {
-                entries[graph.place(place_of(root_j / dim), component)] +=
-                  w * v * row_values[k];
-              });
+            graph.for_each_root(j,
+                                [&](const unsigned int root_j, const double v) {
+                                  const std::size_t pair =
+                                    place_of_node[root_j / dim];
+                                  entries[graph.place(pair, component)] +=
+                                    w * v * row_values[k];
+                                });
         }
+      if (!is_own)
+        mark(row, place_of_node);
     });
     // an equation without couplings, of the size of the others
     if (!graph.is_free(i))

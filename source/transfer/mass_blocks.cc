@@ -1,4 +1,5 @@
 #include <emmy/math/four_numbers.h>
+#include <emmy/particles/with_n_points.h>
 #include <emmy/system/neighbourhood.h>
 #include <emmy/transfer/mass_blocks.h>
 
@@ -127,9 +128,9 @@ namespace emmy
     // m S_A of a point meets (1 - epsilon) S u + epsilon u_A
     std::vector<double> Su; // of the points of a group, by component
     for (const auto &group : stencils.groups)
-      {
+      with_n_points(group.n_points, [&](const auto n_points) {
+        const unsigned int  n     = n_points;
         const unsigned int *nodes = start.active->nodes(group);
-        const unsigned int  n     = group.n_points;
         const double       *m     = masses + group.first_point;
         Su.assign(dim * n, 0.);
         for (unsigned int a = 0; a < group.n_nodes; ++a)
@@ -158,7 +159,7 @@ namespace emmy
                 result[i] += sum;
               }
           }
-      }
+      });
     start.hand_out_added_mass([&](const MassBlock &block) {
       for (unsigned int a = 0; a < block.mass.m(); ++a)
         for (unsigned int b = 0; b < block.mass.m(); ++b)

@@ -1,3 +1,4 @@
+#include <emmy/particles/with_n_points.h>
 #include <emmy/transfer/mass_blocks.h>
 
 namespace emmy
@@ -173,8 +174,8 @@ namespace emmy
       weights(n_local);
     std::vector<double> own_momentum; // of the points of a group, by component
     for (const auto &group : stencils.groups)
-      {
-        const unsigned int n = group.n_points;
+      with_n_points(group.n_points, [&](const auto n_points) {
+        const unsigned int n = n_points;
         const double      *m = mass + group.first_point;
         own_momentum.resize(dim * n);
         double                  total = 0.;
@@ -205,7 +206,7 @@ namespace emmy
                 weights[i] += of_one + least_weight * total;
               }
           }
-      }
+      });
     start.momentum = 0.;
     active.add(momentum, start.momentum);
 
