@@ -162,11 +162,13 @@ namespace emmy
                  n.points / (1 << dim);
       }
 
-      /** Nodes, and which of them meet. */
+      /** Nodes, which of them meet, and some 10 bytes a pair for where those
+       * of a neighbourhood stand. */
       double
       graph() const
       {
-        return (2 * sizeof(unsigned int) + sizeof(int) * dim * dim) * n.pairs +
+        return (2 * sizeof(unsigned int) + sizeof(int) * dim * dim + 10) *
+                 n.pairs +
                (2 * sizeof(Id)) * n.node_ids + 70. * dim * n.nodes;
       }
 

@@ -9,7 +9,7 @@
 #include <emmy/solve/linear_solver.h>
 #include <emmy/solve/preconditioner.h>
 
-#include <Epetra_CrsGraph.h>
+#include <Epetra_MultiVector.h>
 
 #include <algorithm>
 #include <cmath>
@@ -54,19 +54,21 @@ namespace emmy
       LinearResult
       solve(Vector &x, const Vector &b, const double tolerance) override
       {
-        LinearResult result = refine(x, b, tolerance);
-        if (is_kept && !result.is_solved)
+        LinearResult       result     = refine(x, b, tolerance);
+        const unsigned int iterations = result.iterations;
+        const bool         is_anew    = is_kept && !result.is_solved;
+        if (is_anew)
           {
-            const unsigned int iterations = result.iterations;
-            result                        = make();
+            result = make();
             if (result.is_solved)
               result = refine(x, b, tolerance);
-            result.iterations += iterations;
           }
         if (is_kept)
           serves = rate(result, tolerance) <= 1.5 * first_rate + 0.5;
         else
           first_rate = rate(result, tolerance);
+        if (is_anew)
+          result.iterations += iterations;
         return result;
       }
 
@@ -99,14 +101,16 @@ namespace emmy
           }
         result  = agreed(result, matrix->get_mpi_communicator());
         is_kept = false;
-        serves  = result.is_solved && places;
+        serves =
+          result.is_solved && places && preconditioner->outlives_matrix();
         if (serves)
           nodes_of_before = places->coordinates;
         return result;
       }
 
       /** Whether the rows are of the nodes of which the preconditioner was
-       * made. Other pairs of them may meet: it is an approximation anyway. */
+       * made. Other pairs of them may meet: it is an approximation anyway.
+       * Collective. */
       bool
       has_nodes_of_before() const
       {

@@ -80,6 +80,12 @@ namespace emmy
                     matrix.get_mpi_communicator());
       }
 
+      bool
+      outlives_matrix() const override
+      {
+        return true;
+      }
+
       void
       vmult(Vector &z, const Vector &r) const override
       {

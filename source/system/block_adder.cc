@@ -22,7 +22,7 @@ namespace emmy
       std::memcpy(&first, from, sizeof first);
       std::memcpy(&sum, to, sizeof sum);
       sum += first;
-      if (dim == 3)
+      if constexpr (dim == 3)
         to[2] += from[2];
       std::memcpy(to, &sum, sizeof sum);
     }
@@ -37,15 +37,16 @@ namespace emmy
     const unsigned int n = blocks.n_nodes;
     set_nodes(nodes, n);
     find_places(matrix);
-    row.resize(dim * this->nodes.size());
+    row.resize(dim * with_roots.size());
     share_of_row.resize(row.size());
     const auto size_of = [&](const unsigned int a, const unsigned int i) {
       return std::abs(blocks.at(i, i, a)[a * blocks.by_b]);
     };
     double mean = 0.;
-    for (unsigned int a = 0; a < n && !bound.empty(); ++a)
-      for (unsigned int i = 0; i < dim; ++i)
-        mean += size_of(a, i) / (dim * n);
+    if (!bound.empty())
+      for (unsigned int a = 0; a < n; ++a)
+        for (unsigned int i = 0; i < dim; ++i)
+          mean += size_of(a, i) / (dim * n);
     for (unsigned int a = 0; a < n; ++a)
       for (unsigned int i = 0; i < dim; ++i)
         {
@@ -66,9 +67,10 @@ namespace emmy
                 add_row(share.to / dim, i, share_of_row.data(), matrix);
               }
           // an equation without couplings, of the size of the others
-          graph.entries_of(
-            here, matrix)[dim * places[a * this->nodes.size() + a] + i] +=
-            size_of(a, i) != 0. ? size_of(a, i) : mean;
+          const Place diagonal = places[a * with_roots.size() + a];
+          if (diagonal != CliquePlaces<dim>::none)
+            graph.entries_of(here, matrix)[dim * diagonal + i] +=
+              size_of(a, i) != 0. ? size_of(a, i) : mean;
         }
   }
 
@@ -79,7 +81,7 @@ namespace emmy
                                   Matrix                           &matrix)
   {
     const unsigned int n = nodal.m();
-    set_nodes(nodes, n);
+    with_roots.assign(nodes, nodes + n);
     find_places(matrix);
     for (unsigned int a = 0; a < n; ++a)
       for (unsigned int c = 0; c < dim; ++c)
@@ -95,7 +97,7 @@ namespace emmy
   void
   BlockAdder<dim>::set_nodes(const unsigned int *nodes, const unsigned int n)
   {
-    this->nodes.assign(nodes, nodes + n);
+    with_roots.assign(nodes, nodes + n);
     shares.clear();
     bound.clear();
     if (!std::all_of(nodes, nodes + n, [&](const unsigned int node) {
@@ -106,22 +108,22 @@ namespace emmy
 
   template <int dim>
   void
-  BlockAdder<dim>::add_roots(const unsigned int n)
+  BlockAdder<dim>::add_roots(const unsigned int n_nodes)
   {
-    for (unsigned int a = 0; a < n; ++a)
+    for (unsigned int a = 0; a < n_nodes; ++a)
       for (unsigned int c = 0; c < dim; ++c)
         {
-          const unsigned int i = unknown<dim>(nodes[a], c);
+          const unsigned int i = unknown<dim>(with_roots[a], c);
           if (graph.is_free(i))
             continue;
           bound.push_back(dim * a + c);
           graph.for_each_root(
             i, [&](const unsigned int root, const double weight) {
               const auto place =
-                std::find(nodes.begin(), nodes.end(), root / dim);
-              const unsigned int at = place - nodes.begin();
-              if (place == nodes.end())
-                nodes.push_back(root / dim);
+                std::find(with_roots.begin(), with_roots.end(), root / dim);
+              const unsigned int at = place - with_roots.begin();
+              if (place == with_roots.end())
+                with_roots.push_back(root / dim);
               shares.push_back({dim * a + c, dim * at + c, weight});
             });
         }
@@ -131,17 +133,18 @@ namespace emmy
   void
   BlockAdder<dim>::find_places(Matrix &matrix)
   {
-    places = clique_places.find(nodes);
+    places = clique_places.find(with_roots);
     // entries come from memory meanwhile
     const Place *place = places;
-    for (const unsigned int node : nodes)
+    for (const unsigned int node : with_roots)
       {
         const double *rows[dim];
         for (unsigned int i = 0; i < dim; ++i)
           rows[i] = graph.entries_of(unknown<dim>(node, i), matrix);
-        for (unsigned int b = 0; b < nodes.size(); ++b, ++place)
-          for (const double *entries : rows)
-            __builtin_prefetch(entries + dim * *place, 1);
+        for (unsigned int b = 0; b < with_roots.size(); ++b, ++place)
+          if (*place != CliquePlaces<dim>::none)
+            for (const double *entries : rows)
+              __builtin_prefetch(entries + dim * *place, 1);
       }
   }
 
@@ -172,15 +175,15 @@ namespace emmy
   void
   BlockAdder<dim>::add_row(const unsigned int a,
                            const unsigned int i,
-                           const double      *row,
+                           const double      *values,
                            Matrix            &matrix) const
   {
-    const unsigned int n    = nodes.size();
+    const unsigned int n    = with_roots.size();
     const Place *const here = places + a * n;
-    double *entries = graph.entries_of(unknown<dim>(nodes[a], i), matrix);
+    double *entries = graph.entries_of(unknown<dim>(with_roots[a], i), matrix);
     for (unsigned int b = 0; b < n; ++b)
       if (here[b] != CliquePlaces<dim>::none)
-        add_node<dim>(row + dim * b, entries + dim * here[b]);
+        add_node<dim>(values + dim * b, entries + dim * here[b]);
   }
 
   template class BlockAdder<2>;

@@ -1,8 +1,6 @@
 #include <emmy/system/clique_places.h>
 #include <emmy/system/node_graph.h>
 
-#include <algorithm>
-
 namespace emmy
 {
   template <int dim>
@@ -15,46 +13,35 @@ namespace emmy
   const typename CliquePlaces<dim>::Place *
   CliquePlaces<dim>::find(const std::vector<unsigned int> &nodes)
   {
-    const auto nodes_end = [&](const std::size_t i) {
-      return i + 1 < kept.size() ? kept[i + 1].nodes : nodes_of_kept.size();
-    };
-    const bool is_kept = next < kept.size() &&
-                         nodes_end(next) - kept[next].nodes == nodes.size() &&
-                         std::equal(nodes.begin(),
-                                    nodes.end(),
-                                    nodes_of_kept.begin() + kept[next].nodes);
-    if (!is_kept)
+    if (next == kept.size())
+      kept.emplace_back();
+    Kept &here = kept[next++];
+    if (here.nodes != nodes)
       {
-        if (next < kept.size())
-          {
-            nodes_of_kept.resize(kept[next].nodes);
-            places.resize(kept[next].places);
-            kept.resize(next);
-          }
-        kept.push_back({nodes_of_kept.size(), places.size()});
-        nodes_of_kept.insert(nodes_of_kept.end(), nodes.begin(), nodes.end());
-        for (const unsigned int row : nodes)
-          add_row(row, nodes);
+        const std::size_t n = nodes.size();
+        here.nodes          = nodes;
+        here.places.resize(n * n);
+        for (std::size_t a = 0; a < n; ++a)
+          find_row(nodes[a], nodes, here.places.data() + a * n);
       }
-    return places.data() + kept[next++].places;
+    return here.places.data();
   }
 
   template <int dim>
   void
-  CliquePlaces<dim>::add_row(const unsigned int               row,
-                             const std::vector<unsigned int> &nodes)
+  CliquePlaces<dim>::find_row(const unsigned int               row,
+                              const std::vector<unsigned int> &nodes,
+                              Place                           *places)
   {
     const auto neighbours = graph.row(row);
     for (unsigned int k = 0; k < neighbours.n; ++k)
       marks[neighbours.nodes[k]] = {row, graph.place(neighbours.first + k)};
+    // places are sorted too
+    AssertThrow(neighbours.n == 0 ||
+                  graph.place(neighbours.first + neighbours.n - 1) < none,
+                dealii::ExcMessage("A node meets 65535 others or more."));
     for (const unsigned int node : nodes)
-      if (marks[node].row != row)
-        places.push_back(none);
-      else
-        {
-          Assert(marks[node].place < none, dealii::ExcInternalError());
-          places.push_back(marks[node].place);
-        }
+      *places++ = marks[node].row == row ? marks[node].place : none;
   }
 
   template class CliquePlaces<2>;

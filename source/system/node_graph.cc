@@ -3,6 +3,7 @@
 #include <emmy/base/unknown.h>
 #include <emmy/system/block_adder.h>
 #include <emmy/system/matrix_pattern.h>
+#include <emmy/system/node_graph.h>
 
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_MpiComm.h>
@@ -55,7 +56,7 @@ namespace emmy
   NodeGraph<dim>::reinit(Matrix &matrix) const
   {
     matrix.reinit(*pattern, /*copy_values=*/false);
-    adder->begin();
+    clear(matrix); // the rows of others
   }
 
   template <int dim>

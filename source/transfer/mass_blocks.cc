@@ -182,14 +182,14 @@ namespace emmy
     MassPoints                 points;
     Neighbourhood<dim>         around(stencils, *start.active);
     const auto *const end = stencils.groups.data() + stencils.groups.size();
-    for (auto group = stencils.groups.data(); group != end;
-         group      = around.end())
+    for (const auto *group = stencils.groups.data(); group != end;)
       {
-             around.begin(*group);
-             find_consistent_mass(stencils, *group, around, masses, points, mass);
-             lump_and_damp(start.lumping, phases, mass, damping);
-             MassBlock block{around.nodes().data(), mass, damping};
-             receive(block);
+        around.begin(*group);
+        find_consistent_mass(stencils, *group, around, masses, points, mass);
+        lump_and_damp(start.lumping, phases, mass, damping);
+        MassBlock block{around.nodes().data(), mass, damping};
+        receive(block);
+        group = around.end();
       }
     start.hand_out_added_mass(receive);
   }

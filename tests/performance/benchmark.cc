@@ -161,6 +161,15 @@ namespace
     if (column >= row.size())
       fail("the ledger of <" + command + "> has no particles");
     result["particles"] = std::stod(row[column]);
+    result["dimension"] = scene.scene.find("2d") == std::string::npos ? 3 : 2;
+    // the card of the scene has: ... numbers each, ... bytes
+    const std::string mark = " numbers each, ";
+    std::ifstream     screen(out + "/screen");
+    for (std::string line; std::getline(screen, line);)
+      if (const auto at = line.find(mark); at != std::string::npos)
+        result["bytes_per_particle"] = std::stod(line.substr(at + mark.size()));
+    if (!result.contains("bytes_per_particle"))
+      fail("the card of <" + command + "> has no bytes of a particle");
     std::filesystem::remove_all(out);
     return result;
   }
@@ -212,6 +221,23 @@ namespace
     result["us/evaluation"] = 1e6 * seconds(timing, "residual and tangent") /
                               points(timing, "residual and tangent");
     result["bytes"] = double(timing["peak_memory_bytes"]);
+    // work that formulas count: doc/performance.md, How is work counted?
+    const double dim = timing["dimension"], n = std::pow(2., dim),
+                 evaluations = points(timing, "residual and tangent"),
+                 of_forces   = 4. * dim * dim * n,
+                 of_matrix =
+                   2. * std::pow(dim, 5) * n + 2. * std::pow(dim, 3) * n * n;
+    result["gflops"] =
+      1e-9 * (evaluations * of_forces + particles * iterations * of_matrix) /
+      seconds(timing, "residual and tangent");
+    const double of_weights = 8. * (1. + dim) * n,
+                 of_fields  = timing["bytes_per_particle"];
+    double transfer         = 0.;
+    for (const char *const phase :
+         {"stencils", "gather", "particles to grid", "grid to particles"})
+      transfer += seconds(timing, phase);
+    result["gbytes"] =
+      1e-9 * particles * steps * (3. * of_weights + 4. * of_fields) / transfer;
     return result;
   }
 
@@ -237,30 +263,65 @@ namespace
     return result;
   }
 
-#if defined(__x86_64__)
-#  define EMMY_CLONES \
-    __attribute__((   \
-      target_clones("arch=skylake-avx512", "arch=haswell", "default")))
-#else
-#  define EMMY_CLONES
-#endif
+  /** Numbers side by side, and as many of them as hide the time of each. */
+  template <int width>
+  struct Lanes
+  {
+    typedef double type __attribute__((vector_size(8 * width)));
+  };
+  constexpr unsigned int n_sums = 12;
 
   /** a = a * b + c on numbers that stay in registers. */
-  EMMY_CLONES double
+  template <int width>
+  inline __attribute__((always_inline)) double
   multiply_and_add(const std::size_t n)
   {
-    constexpr int width = 96;
-    double        a[width];
-    for (int i = 0; i < width; ++i)
-      a[i] = 1. + 1e-3 * i;
+    typename Lanes<width>::type a[n_sums];
+    for (unsigned int i = 0; i < n_sums; ++i)
+      a[i] = typename Lanes<width>::type{} + (1. + 1e-3 * i);
     for (std::size_t k = 0; k < n; ++k)
-      for (int i = 0; i < width; ++i)
+      for (unsigned int i = 0; i < n_sums; ++i)
         a[i] = a[i] * 0.999999999 + 1e-9;
     double sum = 0.;
-    for (int i = 0; i < width; ++i)
-      sum += a[i];
+    for (unsigned int i = 0; i < n_sums; ++i)
+      for (int lane = 0; lane < width; ++lane)
+        sum += a[i][lane];
     return sum;
   }
+
+  /** The same in the registers that the processor has, and their width. */
+  struct Registers
+  {
+    double (*run)(const std::size_t);
+    int width;
+  };
+#if defined(__x86_64__)
+  __attribute__((target("avx512f"))) double
+  run_512(const std::size_t n)
+  {
+    return multiply_and_add<8>(n);
+  }
+  __attribute__((target("avx2,fma"))) double
+  run_256(const std::size_t n)
+  {
+    return multiply_and_add<4>(n);
+  }
+  Registers
+  widest()
+  {
+    if (__builtin_cpu_supports("avx512f"))
+      return {run_512, 8};
+    if (__builtin_cpu_supports("fma"))
+      return {run_256, 4};
+    return {multiply_and_add<2>, 2};
+  }
+#else
+  Registers
+  widest()
+  {
+    return {multiply_and_add<2>, 2};
+  }
+#endif
 
   double
   now()
@@ -274,14 +335,16 @@ namespace
   double
   peak_gflops()
   {
-    double          best = 0.;
-    volatile double sink = 0.;
+    const Registers registers = widest();
+    double          best      = 0.;
+    volatile double sink      = 0.;
     for (int i = 0; i < 5; ++i)
       {
-        constexpr std::size_t n     = 2000000;
+        constexpr std::size_t n     = 20000000;
         const double          begin = now();
-        sink                        = sink + multiply_and_add(n);
-        best = std::max(best, 2e-9 * 96 * n / (now() - begin));
+        sink                        = sink + registers.run(n);
+        best =
+          std::max(best, 2e-9 * n_sums * registers.width * n / (now() - begin));
       }
     return best;
   }
@@ -357,13 +420,13 @@ main(int argc, char *argv[])
               peak,
               bandwidth,
               n_repeats);
-  std::printf("| scene | cells | functions, geometry | h/c | particles | "
-              "Newton | Krylov | s/step | all | tangent | solve | map | rest "
-              "| kB |%s\n|---|---|---|---|---|---|---|---|---|---|---|---|---|"
-              "---|%s\n",
-              options.other.empty() && options.earlier.is_null() ? ""
-                                                                 : " ratio |",
-              options.other.empty() && options.earlier.is_null() ? "" : "---|");
+  std::printf(
+    "| scene | cells | functions, geometry | h/c | particles | "
+    "Newton | Krylov | s/step | all | tangent | solve | map | rest "
+    "| kB | %% peak | %% triad |%s\n|---|---|---|---|---|---|---|---|---|---"
+    "|---|---|---|---|---|---|%s\n",
+    options.other.empty() && options.earlier.is_null() ? "" : " ratio |",
+    options.other.empty() && options.earlier.is_null() ? "" : "---|");
   json written{{"peak_gflops", peak}, {"triad_gbytes", bandwidth}};
 
   // what a program takes that has next to no particles
@@ -403,6 +466,13 @@ main(int argc, char *argv[])
                   median_of["map"],
                   median_of["rest"],
                   1e-3 * median_of["bytes"]);
+      // formulas know the nodes of a point with linear functions only
+      if (scene.shape_functions == "linear")
+        std::printf(" %.1f | %.1f |",
+                    100. * median_of["gflops"] / peak,
+                    100. * median_of["gbytes"] / bandwidth);
+      else
+        std::printf("  |  |");
       if (!others.empty())
         {
           std::vector<double> ratios;

@@ -159,7 +159,7 @@ namespace emmy
       bool         is_empty = true; ///< no points of it yet
       Reach        reach;           ///< of some points
       Rows         u;               ///< by component
-      Rows         sum; ///< [((i dim + j) n_padded + a) n_padded + b]
+      Rows         sum;             ///< [((a dim + i) n_padded + b) dim + j]
       Rows         share, diagonal; ///< see PointRows
 
       /** S, grad S, [q (dim + 1) + l]. */

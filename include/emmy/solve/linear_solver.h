@@ -84,7 +84,7 @@ namespace emmy
     /**
      * Matrices that are prepared with places from now on are like each other,
      * and not like those of before: a preconditioner of one serves for those
-     * with the same pattern, as long as it does.
+     * of the same nodes, as long as it does.
      */
     virtual void
     begin_sequence()

@@ -15,11 +15,20 @@ namespace emmy
     virtual ~Preconditioner() = default;
 
     /**
-     * Make it for a matrix, which must stay alive. Collective.
+     * Make it for a matrix, which must stay alive unless outlives_matrix().
+     * Collective.
      * @param places of the rows, for a coarse level; null: there is none
      */
     virtual void
     make(const Matrix &matrix, const NodePlaces *places) = 0;
+
+    /** Whether it needs no more of its matrix, and serves for others of the
+     * same nodes. */
+    virtual bool
+    outlives_matrix() const
+    {
+      return false;
+    }
 
     /** z = P r. Collective. */
     virtual void

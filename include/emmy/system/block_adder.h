@@ -56,9 +56,8 @@ namespace emmy
 
     void
     set_nodes(const unsigned int *nodes, const unsigned int n);
-    /** Roots come behind the nodes. */
     void
-    add_roots(const unsigned int n);
+    add_roots(const unsigned int n_nodes);
     void
     find_places(Matrix &matrix);
     /** Row i of node a, node by node. Valid until the next call. */
@@ -70,14 +69,14 @@ namespace emmy
     void
     add_row(const unsigned int a,
             const unsigned int i,
-            const double      *row,
+            const double      *values,
             Matrix            &matrix) const;
 
     const NodeGraph<dim> &graph;
     CliquePlaces<dim>     clique_places;
 
     // of a call
-    std::vector<unsigned int> nodes; ///< and roots
+    std::vector<unsigned int> with_roots; ///< the nodes, and roots behind them
     const Place              *places = nullptr;
     std::vector<Share>        shares;
     std::vector<unsigned int> bound; ///< columns with a condition

@@ -15,7 +15,7 @@ namespace emmy
    * in the last one is taken where the nodes are the same.
    *
    * Owned by BlockAdder. Cost: to find, the rows of all the nodes; to keep, two
-   * bytes for each pair of nodes.
+   * bytes for each pair of nodes and some 100 for each call of a sweep.
    */
   template <int dim>
   class CliquePlaces
@@ -42,20 +42,20 @@ namespace emmy
     find(const std::vector<unsigned int> &nodes);
 
   private:
-    void
-    add_row(const unsigned int row, const std::vector<unsigned int> &nodes);
-
-    /** Of some nodes: from where on they and their places stand. */
+    /** Of some nodes. */
     struct Kept
     {
-      std::size_t nodes, places;
+      std::vector<unsigned int> nodes;
+      std::vector<Place>        places;
     };
+    void
+    find_row(const unsigned int               row,
+             const std::vector<unsigned int> &nodes,
+             Place                           *places);
 
-    const NodeGraph<dim>     &graph;
-    std::vector<Kept>         kept;
-    std::vector<unsigned int> nodes_of_kept;
-    std::vector<Place>        places;
-    std::size_t               next = 0; ///< of these
+    const NodeGraph<dim> &graph;
+    std::vector<Kept>     kept;
+    std::size_t           next = 0; ///< of these
 
     /** By local node: a row, and where the node stands there. */
     struct Mark

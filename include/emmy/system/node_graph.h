@@ -46,7 +46,8 @@ namespace emmy
    * a node, and all of them meet. Small matrices of nodes that meet are added
    * straight at their places, without a search.
    *
-   * Owned by ActiveGrid. Cost: two numbers for each pair of nodes.
+   * Owned by ActiveGrid. Cost: two numbers for each pair of nodes, and what
+   * CliquePlaces keeps.
    */
   template <int dim>
   class NodeGraph
@@ -194,7 +195,8 @@ namespace emmy
         const ComponentBlocks &blocks,
         Matrix                &matrix) const;
 
-    /** Add a matrix of nodes to each component of the unknowns. */
+    /** Add a matrix of nodes to each component of the unknowns, with the
+     * conditions worked in. */
     void
     add_components(const unsigned int               *nodes,
                    const dealii::FullMatrix<double> &nodal,
