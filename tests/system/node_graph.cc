@@ -220,6 +220,8 @@ namespace
     graphs.check(graphs.groups, "the same again, ");
     std::vector<Group> others = graphs.groups;
     std::reverse(others[50].begin(), others[50].end());
+    others[60].assign(others[62].begin() + 1, others[62].begin() + 5);
+    graphs.check(others, "as many nodes, ");
     others.erase(others.begin() + 20);
     others.insert(others.begin() + 80, graphs.groups[20]);
     graphs.check(others, "in another order, ");
