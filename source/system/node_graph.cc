@@ -29,7 +29,9 @@ namespace emmy
     note_conditions(constraints);
     find_plain_nodes();
     find_neighbours(cliques);
-    adder              = std::make_unique<BlockAdder<dim>>(*this);
+    adder =
+      std::make_unique<BlockAdder<dim>>(*this,
+                                        before ? before->adder.get() : nullptr);
     const bool is_same = before && first_dofs == before->first_dofs &&
                          n_owned == before->n_owned && first == before->first &&
                          neighbours == before->neighbours;

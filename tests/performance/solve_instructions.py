@@ -4,7 +4,7 @@ the beam in space of prm/benchmarks; counted by callgrind, so on any busy machin
 it waits for other ranks counts too. For doc/performance.md.
 
   solve_instructions.py EMMY SOURCE_ROOT MPI_LAUNCHER [--ranks 1,2] [--cells 52]
-                        [--step 2]
+                        [--step 2] [--functions GIMP] [--geometry middle]
 """
 import argparse
 import glob
@@ -56,8 +56,8 @@ def run(arguments, n_ranks, work):
                os.path.abspath(arguments.emmy),
                os.path.join(os.path.abspath(arguments.root), "prm/benchmarks/cantilever-3d.prm")]
     for setting in [f"Grid/Cells={grid}", f"Time/Maximum steps={arguments.step}", "Output/Frames=0",
-                    "Output/Directory=run", "Time/Factor=15", "Method/Shape functions=linear",
-                    "Method/Geometry=start"]:
+                    "Output/Directory=run", "Time/Factor=15", f"Method/Shape functions={arguments.functions}",
+                    f"Method/Geometry={arguments.geometry}"]:
         command += ["--set", setting]
     done = subprocess.run(command, cwd=work, env=ENVIRONMENT, stdin=subprocess.DEVNULL,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
@@ -77,6 +77,8 @@ def main():
                         default=[1, 2])
     parser.add_argument("--cells", type=int, default=52)
     parser.add_argument("--step", type=int, default=2)
+    parser.add_argument("--functions", default="linear")
+    parser.add_argument("--geometry", default="start")
     arguments = parser.parse_args()
     found = []
     for n_ranks in arguments.ranks:

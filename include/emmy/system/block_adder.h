@@ -21,10 +21,11 @@ namespace emmy
   class BlockAdder
   {
   public:
-    /** To matrices of a graph; borrowed. */
-    explicit BlockAdder(const NodeGraph<dim> &graph)
+    /** To matrices of a graph; borrowed. @param before of a graph that will be
+     * much the same; null: none */
+    BlockAdder(const NodeGraph<dim> &graph, const BlockAdder *before)
       : graph(graph)
-      , clique_places(graph)
+      , clique_places(graph, before ? &before->clique_places : nullptr)
     {}
 
     /** Before the first block of a matrix. */

@@ -15,7 +15,7 @@ namespace emmy
    * in the last one is taken where the nodes are the same.
    *
    * Owned by BlockAdder. Cost: to find, the rows of all the nodes; to keep, two
-   * bytes for each pair of nodes and some 100 for each call of a sweep.
+   * bytes for each pair of nodes and 32 for each call of a sweep.
    */
   template <int dim>
   class CliquePlaces
@@ -26,8 +26,9 @@ namespace emmy
     /** Of nodes that do not meet. */
     static constexpr Place none = -1;
 
-    /** Of a graph; borrowed. */
-    explicit CliquePlaces(const NodeGraph<dim> &graph);
+    /** Of a graph; borrowed. @param before as many as another one are
+     * expected; null: unknown */
+    CliquePlaces(const NodeGraph<dim> &graph, const CliquePlaces *before);
 
     /** From now on the first nodes are those of the last time. */
     void
@@ -42,20 +43,23 @@ namespace emmy
     find(const std::vector<unsigned int> &nodes);
 
   private:
-    /** Of some nodes. */
+    /** Of some nodes: from where on they and their places stand. */
     struct Kept
     {
-      std::vector<unsigned int> nodes;
-      std::vector<Place>        places;
+      std::size_t nodes, places;
     };
+    std::size_t
+    n_nodes(const std::size_t i) const;
     void
     find_row(const unsigned int               row,
              const std::vector<unsigned int> &nodes,
              Place                           *places);
 
-    const NodeGraph<dim> &graph;
-    std::vector<Kept>     kept;
-    std::size_t           next = 0; ///< of these
+    const NodeGraph<dim>     &graph;
+    std::vector<Kept>         kept;
+    std::vector<unsigned int> nodes_of_kept;
+    std::vector<Place>        places_of_kept;
+    std::size_t               next = 0; ///< of these
 
     /** By local node: a row, and where the node stands there. */
     struct Mark
