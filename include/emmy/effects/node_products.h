@@ -11,6 +11,9 @@ namespace emmy
    */
   using FourNodes = LanesOf<nodes_at_once>::type;
 
+  /** Places in two registers. */
+  typedef long long Order __attribute__((vector_size(32)));
+
   /**
    * Numbers of four nodes, register by component, to node by component, at
    * @p to; added to what stands there, if so asked. For functions with clones.
@@ -18,7 +21,6 @@ namespace emmy
   EMMY_INLINE void
   write_by_node(const FourNodes (&x)[2], const bool is_sum, double *to)
   {
-    typedef long    Order __attribute__((vector_size(32)));
     FourNodes      *nodes      = reinterpret_cast<FourNodes *>(to);
     const FourNodes by_node[2] = {
       __builtin_shuffle(x[0], x[1], Order{0, 4, 1, 5}),
@@ -30,11 +32,10 @@ namespace emmy
   EMMY_INLINE void
   write_by_node(const FourNodes (&x)[3], const bool is_sum, double *to)
   {
-    typedef long long Order __attribute__((vector_size(32)));
-    FourNodes        *nodes = reinterpret_cast<FourNodes *>(to);
-    const auto        xy    = __builtin_shuffle(x[0], x[1], Order{0, 4, 4, 1}),
-               yz           = __builtin_shuffle(x[1], x[2], Order{1, 5, 1, 2}),
-               yx           = __builtin_shuffle(x[0], x[1], Order{0, 3, 7, 0});
+    FourNodes *nodes = reinterpret_cast<FourNodes *>(to);
+    const auto xy    = __builtin_shuffle(x[0], x[1], Order{0, 4, 4, 1}),
+               yz    = __builtin_shuffle(x[1], x[2], Order{1, 5, 1, 2}),
+               yx    = __builtin_shuffle(x[0], x[1], Order{0, 3, 7, 0});
     const FourNodes by_node[3] = {
       __builtin_shuffle(xy, x[2], Order{0, 1, 4, 3}),
       __builtin_shuffle(yz, x[0], Order{0, 1, 6, 3}),
