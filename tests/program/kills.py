@@ -105,9 +105,16 @@ class Runner:
             sys.exit(f"FAILED: emmy {' '.join(words)}\n{self.said()}")
         return time.monotonic() - begin
 
-    def kill_after(self, n_ranks, words, seconds):
-        """Whether it was killed; else it ended by itself, well."""
+    def kill_at(self, n_ranks, words, ledger, row, seconds):
+        """Some seconds after the ledger has a row, or, with no row, after the start.
+        Whether it was killed; else it ended by itself, well."""
         process = self.start(n_ranks, words)
+        while process.poll() is None and row is not None:
+            if os.path.isfile(ledger):
+                with open(ledger, "rb") as file:
+                    if file.read().count(b"\n") > row + 1:
+                        break
+            time.sleep(0.01)
         try:
             if process.wait(timeout=seconds) != 0:
                 sys.exit(f"FAILED: emmy {' '.join(words)}\n{self.said()}")
@@ -209,13 +216,20 @@ def check(arguments, runner, name, ranks, generator):
                 for n in sorted(set(ranks))}
     runner.finish(ranks[0], words + ["--overwrite"])
     os.rename(run, reference)
+    with open(os.path.join(reference, "ledger.csv")) as file:
+        n_steps = len(file.readlines()) - 2
+    of_a_step = max(seconds - to_start[ranks[0]], 0.2) / n_steps
+    ledger = os.path.join(run, "ledger.csv")
 
     n_killed, n_runs, worst, cut, anew, steps = 0, 0, 0., 0, 0, {}
-    pace = 1.  # the machine may be faster than it was for the reference, or slower
     # until there were so many, and each number of ranks has made steps
     while n_killed < arguments.kills or (n_runs < 8 and any(steps.get(n, 0) == 0 for n in ranks)):
         shutil.rmtree(run, ignore_errors=True)
-        session, enough = 0, max(arguments.kills, n_killed + len(ranks))
+        # after these rows, so that sessions make steps however fast the machine is
+        rows = range(2, n_steps - 1, 3)
+        rows = sorted(generator.sample(rows, min(len(rows), max(arguments.kills - n_killed,
+                                                                len(set(ranks))))))
+        session = 0
         while True:
             n_ranks = ranks[session % len(ranks)]
             checkpoints = os.path.join(run, "checkpoints")
@@ -224,19 +238,19 @@ def check(arguments, runner, name, ranks, generator):
             anew += session > 0 and not is_there
             command = ["--restart", "run"] if is_there else words + [
                 "--overwrite", "--set", "Checkpoint/Every steps=1"]
-            if n_killed >= enough:
+            if session == len(rows):
                 runner.finish(n_ranks, command)
                 break
-            share = max(seconds - to_start[ranks[0]], 0.2) * 2 / (arguments.kills + 1)
-            if not runner.kill_after(n_ranks, command,
-                                     pace * (to_start[n_ranks] * generator.uniform(0.6, 1.2)
-                                             + share * n_ranks * generator.random())):
-                pace *= 0.7
+            if generator.random() < 0.25:  # also while it starts
+                was_killed = runner.kill_at(n_ranks, command, ledger, None,
+                                            to_start[n_ranks] * generator.random())
+            else:
+                was_killed = runner.kill_at(n_ranks, command, ledger, rows[session],
+                                            of_a_step * n_ranks * generator.uniform(0, 2))
+                session += 1
+            if not was_killed:
                 break
-            pace *= 1.05
             n_killed += 1
-            session += 1
-            ledger = os.path.join(run, "ledger.csv")
             if os.path.isfile(ledger):
                 with open(ledger, "rb") as file:
                     text = file.read()
