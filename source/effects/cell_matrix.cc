@@ -25,7 +25,7 @@ namespace emmy
     EMMY_INLINE void
     find_products(const Arrays &arrays, const unsigned int b)
     {
-      const unsigned int n = padded<dim>(arrays.n_nodes);
+      const std::size_t n = padded<dim>(arrays.n_nodes);
       for (Bits bits{arrays.reach.points(b)}; bits; ++bits)
         {
           const unsigned int q = *bits;
@@ -52,23 +52,21 @@ namespace emmy
     EMMY_INLINE void
     add_all(const Arrays &arrays)
     {
-      const unsigned int n = padded<dim>(arrays.n_nodes);
+      const std::size_t n = padded<dim>(arrays.n_nodes);
       for (unsigned int b = 0; b < n; b += nodes_at_once)
         {
           find_products<dim>(arrays, b);
-          add_products_of_nodes<dim, dim>(
-            arrays.reach,
-            arrays.n_nodes,
-            b,
-            arrays.is_first,
-            [&](const int q, const int, const int J, const int) {
-              return arrays.slopes + (q * dim + J) * n;
-            },
-            [&](const int q, const int i, const int J, const int j) {
-              return arrays.products +
-                     (((q * dim + i) * dim + J) * dim + j) * nodes_at_once;
-            },
-            arrays.sum);
+          add_products_of_nodes<dim, dim>(arrays.reach,
+                                          arrays.n_nodes,
+                                          b,
+                                          arrays.is_first,
+                                          {arrays.slopes, dim * n, 0, n, 0},
+                                          {arrays.products,
+                                           dim * dim * dim * nodes_at_once,
+                                           dim * dim * nodes_at_once,
+                                           dim * nodes_at_once,
+                                           nodes_at_once},
+                                          arrays.sum);
         }
     }
   } // namespace

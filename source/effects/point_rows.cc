@@ -132,20 +132,20 @@ namespace emmy
              const double      *weights,
              double            *sum)
     {
-      constexpr int      n_weights = dim + 1;
-      const unsigned int n         = padded<dim>(n_nodes);
+      constexpr int     n_weights = dim + 1;
+      const std::size_t n         = padded<dim>(n_nodes);
       for (unsigned int b = 0; b < n; b += nodes_at_once)
         add_products_of_nodes<dim, n_weights>(
           reach,
           n_nodes,
           b,
           is_first,
-          [&](const int q, const int i, const int l, const int j) {
-            return by_motion + (((q * dim + i) * n_weights + l) * dim + j) * n;
-          },
-          [&](const int q, const int, const int l, const int) {
-            return weights + (q * n_weights + l) * n + b;
-          },
+          {by_motion,
+           dim * n_weights * dim * n,
+           n_weights * dim * n,
+           dim * n,
+           n},
+          {weights + b, n_weights * n, 0, n, 0},
           sum);
     }
   } // namespace

@@ -75,48 +75,19 @@ namespace emmy
 
   namespace
   {
-    /** Points [first, first + n_lanes); behind the last one it is repeated. */
-    template <int dim>
-    void
-    put_side_by_side(const StressBatch<dim> &batch,
-                     const unsigned int      first,
-                     Side<dim>              &side)
-    {
-      constexpr unsigned int m = n_in_plane<dim>;
-      for (unsigned int lane = 0; lane < n_lanes; ++lane)
-        {
-          const unsigned int p = std::min(first + lane, batch.n_points - 1);
-          for (int i = 0; i < dim; ++i)
-            for (int j = 0; j < dim; ++j)
-              side.H[i][j][lane] = batch.displacement_gradient[p][i][j];
-          for (unsigned int a = 0; a < m; ++a)
-            {
-              side.b_old[a][lane] = batch.left_cauchy_green_less_unit_old[p][a];
-              side.tau_old[a][lane] = batch.kirchhoff_stress_old[p][a];
-              side.tau[a][lane]     = batch.material.kirchhoff_stress[p][a];
-            }
-          if (batch.with_tangent)
-            for (unsigned int a = 0; a < m; ++a)
-              for (unsigned int b = 0; b < m; ++b)
-                side.c[a][b][lane] = batch.material.spatial_tangent[p][a][b];
-          if (side.has_energy_stress)
-            for (unsigned int a = 0; a < m; ++a)
-              side.energy_stress[a][lane] = batch.material.energy_stress[p][a];
-        }
-    }
-
     /** What makes up for the energy that the mean stress does not work. */
     template <int dim>
     void
-    correct(const unsigned int first, StressBatch<dim> &batch, Side<dim> &side)
+    correct(StressBatch<dim> &batch, Side<dim> &side)
     {
       for (unsigned int lane = 0; lane < n_lanes; ++lane)
         {
-          const unsigned int p = first + lane;
-          if (p >= batch.n_points)
+          const std::size_t p = side.points.of_lane[lane];
+          if (lane > 0 && p == side.points.of_lane[lane - 1])
             {
-              side.correction[lane]   = side.slope_correction[lane] =
-                side.inverse_nu[lane] = 0.;
+              side.correction[lane]       = side.correction[lane - 1];
+              side.slope_correction[lane] = side.slope_correction[lane - 1];
+              side.inverse_nu[lane]       = side.inverse_nu[lane - 1];
               continue;
             }
           const double nu         = side.nu[lane];
@@ -132,25 +103,6 @@ namespace emmy
           side.inverse_nu[lane]       = has_slope ? 1. / nu : 0.;
         }
     }
-
-    template <int dim>
-    void
-    take_apart(const Side<dim>   &side,
-               const unsigned int first,
-               StressBatch<dim>  &batch)
-    {
-      const unsigned int n = std::min(n_lanes, batch.n_points - first);
-      for (unsigned int lane = 0; lane < n; ++lane)
-        {
-          for (int i = 0; i < dim; ++i)
-            for (int j = 0; j < dim; ++j)
-              batch.nominal_stress[first + lane][i][j] = side.P[i][j][lane];
-          if (batch.with_tangent)
-            for (int r = 0; r < dim * dim; ++r)
-              for (int c = 0; c < dim * dim; ++c)
-                batch.tangent[first + lane][r][c] = side.tangent[r][c][lane];
-        }
-    }
   } // namespace
 
   template <int dim>
@@ -163,18 +115,26 @@ namespace emmy
       return inverted;
     subtract_energies(material.gives_energy_change(), batch);
 
-    Side<dim> side;
-    side.has_energy_stress =
-      batch.with_tangent && material.gives_energy_stress();
+    MaterialBatch<dim> &end = batch.material;
+    const StressArrays  arrays{
+      batch.displacement_gradient[0].begin_raw(),
+      batch.left_cauchy_green_less_unit_old[0].begin_raw(),
+      batch.kirchhoff_stress_old[0].begin_raw(),
+      end.kirchhoff_stress[0].begin_raw(),
+      end.spatial_tangent[0].begin_raw(),
+      end.energy_stress[0].begin_raw(),
+      batch.nominal_stress[0].begin_raw(),
+      batch.tangent[0].begin_raw()};
     for (unsigned int first = 0; first < batch.n_points; first += n_lanes)
       {
-        put_side_by_side(batch, first, side);
+        Side<dim> side(arrays,
+                       LanePoints(first, batch.n_points),
+                       material.gives_energy_stress());
         conserving_kernels::means(side);
-        correct(first, batch, side);
+        correct(batch, side);
         conserving_kernels::stress(side);
         if (batch.with_tangent)
           conserving_kernels::tangent(side);
-        take_apart(side, first, batch);
       }
     return batch.n_points;
   }

@@ -1,5 +1,5 @@
 #include <emmy/material/strain_update.h>
-#include <emmy/math/lanes.h>
+#include <emmy/math/lane_points.h>
 
 #include <algorithm>
 
@@ -14,8 +14,22 @@ namespace emmy
     template <int dim>
     struct SideStrains
     {
+      const double *gradients, *old; ///< of the batch
+      LanePoints    points;
+      double       *result; ///< of the batch
+
+      SideStrains(const double     *gradients,
+                  const double     *old,
+                  const LanePoints &points,
+                  double           *result)
+        : gradients(gradients)
+        , old(old)
+        , points(points)
+        , result(result)
+      {}
+
       Lanes H[dim][dim];
-      Lanes b[n_in_plane<dim>]; ///< less the unit, at t, then at the end
+      Lanes b[n_mandel<dim>]; ///< less the unit, at t, then at the end
       Lanes determinant, square_of_change;
     };
 
@@ -81,8 +95,11 @@ namespace emmy
     EMMY_INLINE void
     update_side(SideStrains<dim> &p)
     {
+      read_points<dim * dim>(p.gradients, p.points, p.H[0]);
+      read_points<n_mandel<dim>>(p.old, p.points, p.b);
       find_measures<dim>(p);
-      update<dim>(p);
+      update<dim>(p); // nothing moves out of the plane
+      write_points<n_mandel<dim>>(p.b, p.points, p.result);
     }
   } // namespace
 
@@ -109,28 +126,16 @@ namespace emmy
                  MandelVector<dim>            *result,
                  const StrainMeasures         &measures)
   {
-    SideStrains<dim> side;
     for (unsigned int first = 0; first < n_points; first += n_lanes)
       {
+        SideStrains<dim> side(H[0].begin_raw(),
+                              old[0].begin_raw(),
+                              LanePoints(first, n_points),
+                              result[0].begin_raw());
+        strain_kernels::update(side);
         for (unsigned int lane = 0; lane < n_lanes; ++lane)
           {
-            // behind the last point it is repeated
-            const unsigned int p = std::min(first + lane, n_points - 1);
-            for (unsigned int i = 0; i < dim; ++i)
-              for (unsigned int j = 0; j < dim; ++j)
-                side.H[i][j][lane] = H[p][i][j];
-            for (unsigned int c = 0; c < n_in_plane<dim>; ++c)
-              side.b[c][lane] = old[p][c];
-          }
-        strain_kernels::update(side);
-        const unsigned int n = std::min(n_lanes, n_points - first);
-        for (unsigned int lane = 0; lane < n; ++lane)
-          {
-            const unsigned int p = first + lane;
-            for (unsigned int c = 0; c < n_in_plane<dim>; ++c)
-              result[p][c] = side.b[c][lane];
-            if constexpr (dim == 2)
-              result[p][3] = old[p][3]; // nothing moves out of the plane
+            const std::size_t p           = side.points.of_lane[lane];
             measures.determinants[p]      = side.determinant[lane];
             measures.squares_of_change[p] = side.square_of_change[lane];
           }

@@ -45,6 +45,25 @@ namespace emmy
   }
 
   /**
+   * Rows over nodes, aligned to lanes: of point q, direction i, term l and
+   * component j at first + q by_point + i by_direction + l by_term +
+   * j by_component. Steps that are zero or known when it is compiled cost
+   * nothing.
+   */
+  struct NodeRows
+  {
+    const double *first;                                         ///< of all
+    std::size_t   by_point, by_direction, by_term, by_component; ///< steps
+
+    /** That of a point and direction. */
+    EMMY_INLINE const double *
+    of(const unsigned int q, const unsigned int i) const
+    {
+      return first + q * by_point + i * by_direction;
+    }
+  };
+
+  /**
    * sum(i, j, a, b) += sum over points q and terms l of
    * left(q, i, l, j)[a] right(q, i, l, j)[b], row after row, at
    * [((a dim + i) n_padded + b) dim + j], for all a and the four b from @p b
@@ -53,19 +72,19 @@ namespace emmy
    * @param reach    points that do not reach a node are passed over there
    * @param is_first whether the sum is to begin with these: what stands there
    *   is not read
-   * @param left,right rows over nodes, aligned to lanes; right from b on
+   * @param left,right right from b on
    */
-  template <int dim, int n_terms, class Left, class Right>
+  template <int dim, int n_terms>
   EMMY_INLINE void
   add_products_of_nodes(const Reach       &reach,
                         const unsigned int n_nodes,
                         const unsigned int b,
                         const bool         is_first,
-                        const Left        &left,
-                        const Right       &right,
+                        const NodeRows    &left,
+                        const NodeRows    &right,
                         double            *sum)
   {
-    const unsigned int n_padded = padded<dim>(n_nodes);
+    const std::size_t n_padded = padded<dim>(n_nodes);
     for (unsigned int a = 0; a < n_nodes; a += nodes_at_once)
       {
         unsigned int points[most_points_at_once], n_points = 0;
@@ -78,19 +97,22 @@ namespace emmy
             // these stay in registers
             FourNodes of_nodes[nodes_at_once][dim]{};
             for (unsigned int k = 0; k < n_points; ++k)
-              for (unsigned int l = 0; l < n_terms; ++l)
-                for (unsigned int j = 0; j < dim; ++j)
-                  {
-                    const double   *of_a = left(points[k], i, l, j) + a;
-                    const FourNodes of_b = *reinterpret_cast<const FourNodes *>(
-                      right(points[k], i, l, j));
-                    for (unsigned int r = 0; r < nodes_at_once; ++r)
-                      of_nodes[r][j] += of_a[r] * of_b;
-                  }
+              {
+                const double *of_a = left.of(points[k], i) + a;
+                const double *of_b = right.of(points[k], i);
+                for (unsigned int l = 0; l < n_terms; ++l)
+                  for (unsigned int r = 0; r < nodes_at_once; ++r)
+                    for (unsigned int j = 0; j < dim; ++j)
+                      of_nodes[r][j] +=
+                        of_a[l * left.by_term + j * left.by_component + r] *
+                        *reinterpret_cast<const FourNodes *>(
+                          of_b + l * right.by_term + j * right.by_component);
+              }
+            double *to = sum + ((a * dim + i) * n_padded + b) * dim;
             for (unsigned int r = 0; r < nodes_at_once; ++r)
               write_by_node(of_nodes[r],
                             !is_first,
-                            sum + (((a + r) * dim + i) * n_padded + b) * dim);
+                            to + r * dim * n_padded * dim);
           }
       }
   }

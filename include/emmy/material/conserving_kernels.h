@@ -1,30 +1,45 @@
 #ifndef emmy_material_conserving_kernels_h
 #define emmy_material_conserving_kernels_h
 
-#include <emmy/math/lanes.h>
+#include <emmy/math/lane_points.h>
 #include <emmy/math/mandel.h>
 
 namespace emmy
 {
-  /** Points side by side: what the formulas read, and what they make. */
+  /** Arrays of a batch, one entry a point: what formulas read and write. */
+  struct StressArrays
+  {
+    // in; symmetric tensors as in mandel
+    /** Displacement gradient. */
+    const double *H;
+    /** Strain and stress at t, stress and tangent at the end. */
+    const double *b_old, *tau_old, *tau, *c;
+    /** MaterialBatch::energy_stress, if the material gives it. */
+    const double *energy_stress;
+    /** First Piola-Kirchhoff stress and its derivative with respect to H. */
+    double *P, *tangent;
+  };
+
+  /** Points side by side. */
   template <int dim>
   struct Side
   {
-    /** Components of a symmetric tensor. */
-    static constexpr unsigned int m = n_in_plane<dim>;
+    const StressArrays &arrays;
+    const LanePoints    points;
+    /** Whether the material gives what its energy works. */
+    const bool has_energy_stress;
 
-    // in; symmetric tensors as in mandel, in the plane
-    /**
-     * Displacement gradient, strain and stress at t, stress and tangent at the
-     * end.
-     */
-    Lanes H[dim][dim], b_old[m], tau_old[m], tau[m], c[m][m];
-    /** MaterialBatch::energy_stress, where the material gives it. */
-    Lanes energy_stress[m];
-    /** Whether the rule corrects the stress by the energy. */
-    bool has_energy_stress = false;
+    /** Nothing is known of these points yet. */
+    Side(const StressArrays &arrays,
+         const LanePoints   &points,
+         const bool          has_energy_stress)
+      : arrays(arrays)
+      , points(points)
+      , has_energy_stress(has_energy_stress)
+    {}
 
     // from means(); tensors as they are
+    Lanes H[dim][dim];
     /** F, its inverse, the one of the middle, and b at the end. */
     Lanes F[dim][dim], inverse[dim][dim], Fm[dim][dim], b[dim][dim];
     /** Factors of the average stress. */
@@ -35,16 +50,13 @@ namespace emmy
     // in: beta; and for its derivative, zero where that is left out
     /** Of the correction by energy. */
     Lanes correction, slope_correction, inverse_nu;
-
-    // from stress() and tangent()
-    /** First Piola-Kirchhoff stress and its derivative with respect to H. */
-    Lanes P[dim][dim], tangent[dim * dim][dim * dim];
   };
 
   /**
    * The formulas of conserving_stress() for points side by side, with copies
-   * for several instruction sets, which give the same bits. In this order, the
-   * corrections between the first and the second.
+   * for several instruction sets, in this order, the corrections between the
+   * first and the second. Stresses are the same bits on all of them; tangents
+   * have fused multiplications and additions where there are some.
    */
   namespace conserving_kernels
   {

@@ -43,7 +43,11 @@ namespace emmy
     typedef double type __attribute__((vector_size(64)));
   };
 
-  constexpr unsigned int n_lanes = 8; ///< points that are worked on together
+  /**
+   * Points that are worked on together. Eight would need twice the registers:
+   * where they have 256 bits most numbers would be kept in memory.
+   */
+  constexpr unsigned int n_lanes = 4;
   /** One number of each of these points. */
   using Lanes = LanesOf<n_lanes>::type;
 
