@@ -1,4 +1,5 @@
 #include <emmy/material/hencky.h>
+#include <emmy/material/hencky_kernels.h>
 #include <emmy/material/principal_axes.h>
 
 namespace emmy
@@ -119,30 +120,37 @@ namespace emmy
   void
   Hencky<dim>::evaluate(MaterialBatch<dim> &batch) const
   {
-    const double K = bulk_modulus, G = shear_modulus;
-    const auto   b = spectral_decompositions(batch);
-
+    SpectralArrays<dim> b;
+    spectral_decompositions<dim>(batch.left_cauchy_green_less_unit.data(),
+                                 batch.n_points,
+                                 b);
+    HenckyLanes<dim>                law{bulk_modulus,
+                         shear_modulus,
+                         batch.kirchhoff_stress[0].begin_raw(),
+                         {},
+                         {}};
     std::vector<PrincipalStep<dim>> steps(
       batch.with_energy_change ? batch.n_points : 0);
-    for (unsigned int p = 0; p < batch.n_points; ++p)
+    for (unsigned int first = 0; first < batch.n_points; first += n_lanes)
       {
-        const auto e = principal_strain(b[p]);
-
-        std::array<double, 3> tau;
-        for (unsigned int i = 0; i < 3; ++i)
-          tau[i] = K * e.trace + 2. * G * e.deviator[i];
-        batch.kirchhoff_stress[p] = from_principal(e, tau);
-        batch.stored_energy[p] =
-          0.5 * K * e.trace * e.trace + G * e.deviator_squared;
+        PrincipalLanes<dim> at(LanePoints(first, batch.n_points));
+        at.read(b, first);
+        hencky_kernels::evaluate(at, law);
         if (batch.with_tangent)
-          batch.spatial_tangent[p] = principal_tangent<dim>(e, tau, K, G);
+          principal_axes_kernels::turn(at,
+                                       batch.spatial_tangent[0].begin_raw());
+        for (unsigned int lane = 0; lane < n_lanes; ++lane)
+          batch.stored_energy[at.points.of_lane[lane]] = law.energy[lane];
         if (batch.with_energy_change)
-          steps[p] = {e, tau, {}};
+          for (unsigned int lane = 0; lane < n_lanes; ++lane)
+            {
+              PrincipalStep<dim> &step = steps[at.points.of_lane[lane]];
+              step.trial.b             = b.of(first + lane);
+              step.stress              = {
+                             {law.tau[0][lane], law.tau[1][lane], law.tau[2][lane]}};
+              step.flow = {};
+            }
       }
-    if (batch.with_tangent)
-      turn_tangents<dim>(b.data(),
-                         batch.n_points,
-                         batch.spatial_tangent.data());
     if (batch.with_energy_change)
       fill_energy_changes<dim>(steps.data(), batch);
   }

@@ -1,5 +1,5 @@
 #include <emmy/material/principal_axes.h>
-#include <emmy/math/lanes.h>
+#include <emmy/material/principal_lanes.h>
 
 #include <algorithm>
 
@@ -24,32 +24,25 @@ namespace emmy
 
   namespace
   {
-    /** Points side by side: principal axes, and tangents before and after. */
-    template <int dim>
-    struct SideTangents
-    {
-      static constexpr unsigned int m = n_in_plane<dim>, n = n_mandel<dim>;
-
-      Lanes V[dim][dim], normal[3][3], shear[m - dim];
-      Lanes result[n][n]; ///< column <= row
-    };
-
     template <int dim>
     EMMY_INLINE void
-    turn_side(SideTangents<dim> &p)
+    turn_side(const PrincipalLanes<dim> &p, double *tangents)
     {
       constexpr auto         ij = mandel::pairs<dim>();
       constexpr unsigned int m  = n_in_plane<dim>;
+      constexpr unsigned int n  = n_mandel<dim>;
+      const auto            &V  = p.vectors;
       Lanes                  Q[m][m], Qc[m][m]; // as mandel::congruence()
+      Lanes                  result[n][n];
       for (unsigned int a = 0; a < m; ++a)
         {
           const unsigned int i = ij[a][0], j = ij[a][1];
           for (unsigned int c = 0; c < dim; ++c)
-            Q[a][c] = p.V[i][c] * p.V[j][c] * (a < dim ? 1. : mandel::sqrt2);
+            Q[a][c] = V[i][c] * V[j][c] * (a < dim ? 1. : mandel::sqrt2);
           for (unsigned int c = dim; c < m; ++c)
             {
               const unsigned int k = ij[c][0], l = ij[c][1];
-              Q[a][c] = (p.V[i][k] * p.V[j][l] + p.V[i][l] * p.V[j][k]) *
+              Q[a][c] = (V[i][k] * V[j][l] + V[i][l] * V[j][k]) *
                         (a < dim ? 1. / mandel::sqrt2 : 1.);
             }
         }
@@ -70,15 +63,16 @@ namespace emmy
             Lanes sum = Qc[a][0] * Q[b][0];
             for (unsigned int k = 1; k < m; ++k)
               sum += Qc[a][k] * Q[b][k];
-            p.result[a][b] = sum;
+            result[a][b] = result[b][a] = sum;
           }
       if constexpr (dim == 2)
         {
           for (unsigned int a = 0; a < m; ++a)
-            p.result[3][a] =
+            result[3][a] = result[a][3] =
               Q[a][0] * p.normal[0][2] + Q[a][1] * p.normal[1][2];
-          p.result[3][3] = p.normal[2][2];
+          result[3][3] = p.normal[2][2];
         }
+      write_points<n * n>(result[0], p.points, tangents);
     }
   } // namespace
 
@@ -86,14 +80,14 @@ namespace emmy
   {
     // no templates: those have no clones
     EMMY_CLONES void
-    turn(SideTangents<2> &side)
+    turn(const PrincipalLanes<2> &lanes, double *tangents)
     {
-      turn_side<2>(side);
+      turn_side<2>(lanes, tangents);
     }
     EMMY_CLONES void
-    turn(SideTangents<3> &side)
+    turn(const PrincipalLanes<3> &lanes, double *tangents)
     {
-      turn_side<3>(side);
+      turn_side<3>(lanes, tangents);
     }
   } // namespace principal_axes_kernels
 
@@ -103,32 +97,25 @@ namespace emmy
                 const unsigned int                n_points,
                 MandelMatrix<dim>                *tangents)
   {
-    constexpr unsigned int m = n_in_plane<dim>, n = n_mandel<dim>;
+    constexpr unsigned int m      = n_in_plane<dim>;
     constexpr auto         normal = mandel::normal_components<dim>();
-    SideTangents<dim>      side;
     for (unsigned int first = 0; first < n_points; first += n_lanes)
       {
+        PrincipalLanes<dim> lanes(LanePoints(first, n_points));
         for (unsigned int lane = 0; lane < n_lanes; ++lane)
           {
-            // behind the last point it is repeated
-            const unsigned int       p = std::min(first + lane, n_points - 1);
+            const std::size_t        p = lanes.points.of_lane[lane];
             const MandelMatrix<dim> &c = tangents[p];
             for (unsigned int i = 0; i < dim; ++i)
               for (unsigned int j = 0; j < dim; ++j)
-                side.V[i][j][lane] = b[p].vectors[i][j];
+                lanes.vectors[i][j][lane] = b[p].vectors[i][j];
             for (unsigned int i = 0; i < 3; ++i)
               for (unsigned int j = 0; j < 3; ++j)
-                side.normal[i][j][lane] = c[normal[i]][normal[j]];
+                lanes.normal[i][j][lane] = c[normal[i]][normal[j]];
             for (unsigned int a = dim; a < m; ++a)
-              side.shear[a - dim][lane] = c[a][a];
+              lanes.shear[a - dim][lane] = c[a][a];
           }
-        principal_axes_kernels::turn(side);
-        for (unsigned int p = first; p < std::min(first + n_lanes, n_points);
-             ++p)
-          for (unsigned int i = 0; i < n; ++i)
-            for (unsigned int j = 0; j <= i; ++j)
-              tangents[p][i][j] = tangents[p][j][i] =
-                side.result[i][j][p - first];
+        principal_axes_kernels::turn(lanes, tangents[0].begin_raw());
       }
   }
 

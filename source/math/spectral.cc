@@ -1,8 +1,11 @@
-#include <emmy/math/lanes.h>
+#include <emmy/math/lane_points.h>
 #include <emmy/math/spectral.h>
 
 #include <algorithm>
 #include <limits>
+
+// vectors stay within this file
+#pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace emmy
 {
@@ -91,12 +94,41 @@ namespace emmy
     template <int dim>
     struct SpectralBatch
     {
-      using PerTensor = double[max_spectral_batch];
+      using PerTensor = typename SpectralArrays<dim>::PerTensor;
+
+      const double *tensors; ///< in, as mandel has them
+      PerTensor (&V)[dim][dim];
+      PerTensor (&values)[3];
 
       PerTensor A[dim][dim]; ///< A[p][q] with p <= q
-      PerTensor V[dim][dim];
-      /** 1: not yet diagonal, 0: done. */
-      PerTensor open;
+      PerTensor open;        ///< 1: not yet diagonal, 0: done
+
+      SpectralBatch(const double *tensors, SpectralArrays<dim> &result)
+        : tensors(tensors)
+        , V(result.vectors)
+        , values(result.values)
+      {}
+
+      /** Tensors [0, n) and what fills up the last register. */
+      EMMY_INLINE void
+      read(const unsigned int n)
+      {
+        constexpr auto ij = mandel::pairs<dim>();
+        for (unsigned int first = 0; first < n; first += n_lanes)
+          {
+            Lanes a[n_mandel<dim>];
+            read_points<n_mandel<dim>>(tensors, LanePoints(first, n), a);
+            for (unsigned int c = 0; c < n_in_plane<dim>; ++c)
+              write_together(c < dim ? a[c] : a[c] / mandel::sqrt2,
+                             &A[ij[c][0]][ij[c][1]][first]);
+            for (int p = 0; p < dim; ++p)
+              for (int q = 0; q < dim; ++q)
+                write_together(Lanes{} + (p == q ? 1. : 0.), &V[p][q][first]);
+            write_together(Lanes{} + 1., &open[first]);
+            if constexpr (dim == 2)
+              write_together(a[3], &values[2][first]);
+          }
+      }
 
       /** One Jacobi rotation of all that are open, as rotate() does it. */
       EMMY_INLINE void
@@ -180,6 +212,17 @@ namespace emmy
               rotate(1, 2, n);
             }
       }
+
+      EMMY_INLINE void
+      find(const unsigned int n)
+      {
+        const unsigned int n_filled = (n + n_lanes - 1) / n_lanes * n_lanes;
+        read(n);
+        diagonalise(n_filled);
+        for (int d = 0; d < dim; ++d)
+          for (unsigned int k = 0; k < n_filled; ++k)
+            values[d][k] = A[d][d][k];
+      }
     };
   } // namespace
 
@@ -189,14 +232,24 @@ namespace emmy
     EMMY_CLONES void
     diagonalise(SpectralBatch<2> &batch, const unsigned int n)
     {
-      batch.diagonalise(n);
+      batch.find(n);
     }
     EMMY_CLONES void
     diagonalise(SpectralBatch<3> &batch, const unsigned int n)
     {
-      batch.diagonalise(n);
+      batch.find(n);
     }
   } // namespace spectral_kernels
+
+  template <int dim>
+  void
+  spectral_decompositions(const MandelVector<dim> *a,
+                          const unsigned int       n,
+                          SpectralArrays<dim>     &result)
+  {
+    SpectralBatch<dim> batch(a[0].begin_raw(), result);
+    spectral_kernels::diagonalise(batch, n);
+  }
 
   template <int dim>
   void
@@ -204,29 +257,20 @@ namespace emmy
                           const unsigned int          n,
                           SpectralDecomposition<dim> *result)
   {
-    SpectralBatch<dim> batch;
+    SpectralArrays<dim> arrays;
+    spectral_decompositions(a, n, arrays);
     for (unsigned int k = 0; k < n; ++k)
-      {
-        const dealii::Tensor<2, dim> A = mandel::block<dim>(a[k]);
-        for (unsigned int p = 0; p < dim; ++p)
-          for (unsigned int q = 0; q < dim; ++q)
-            {
-              batch.A[p][q][k] = A[p][q];
-              batch.V[p][q][k] = p == q ? 1. : 0.;
-            }
-        batch.open[k] = 1.;
-      }
-    spectral_kernels::diagonalise(batch, n);
-    for (unsigned int k = 0; k < n; ++k)
-      {
-        for (unsigned int d = 0; d < 3; ++d)
-          result[k].values[d] = d < dim ? batch.A[d][d][k] : a[k][3];
-        for (unsigned int p = 0; p < dim; ++p)
-          for (unsigned int q = 0; q < dim; ++q)
-            result[k].vectors[p][q] = batch.V[p][q][k];
-      }
+      result[k] = arrays.of(k);
   }
 
+  template void
+  spectral_decompositions<2>(const MandelVector<2> *,
+                             const unsigned int,
+                             SpectralArrays<2> &);
+  template void
+  spectral_decompositions<3>(const MandelVector<3> *,
+                             const unsigned int,
+                             SpectralArrays<3> &);
   template void
   spectral_decompositions<2>(const MandelVector<2> *,
                              const unsigned int,

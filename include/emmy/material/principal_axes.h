@@ -118,7 +118,7 @@ namespace emmy
   /**
    * Turn tangents in principal axes, such as those of principal_tangent(), into
    * the axes of the grid: Q c Q^T with the congruence Q of the axes, without
-   * the zeros of c; eight points at a time. Their normal components may be any
+   * the zeros of c; four points at a time. Their normal components may be any
    * symmetric matrix, of the shear components there is a diagonal.
    *
    * @param b        one per point

@@ -35,19 +35,52 @@ namespace emmy
   SpectralDecomposition<dim>
   spectral_decomposition(const MandelVector<dim> &a);
 
+  constexpr unsigned int max_spectral_batch = 32; ///< tensors in a batch
+
+  /**
+   * Those of a batch, component by component: of tensor k at [k]. Behind the
+   * last tensor it is repeated, up to a multiple of four.
+   */
+  template <int dim>
+  struct SpectralArrays
+  {
+    using PerTensor = double[max_spectral_batch]; ///< one of each
+
+    PerTensor values[3];         ///< as SpectralDecomposition::values
+    PerTensor vectors[dim][dim]; ///< as SpectralDecomposition::vectors
+
+    /** That of tensor k. */
+    SpectralDecomposition<dim>
+    of(const unsigned int k) const
+    {
+      SpectralDecomposition<dim> result;
+      for (unsigned int d = 0; d < 3; ++d)
+        result.values[d] = values[d][k];
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int j = 0; j < dim; ++j)
+          result.vectors[i][j] = vectors[i][j][k];
+      return result;
+    }
+  };
+
   /**
    * The same of many tensors, with the same rotations and to the last bit the
    * same results, several times as fast: the loops over tensors vectorise, and
    * do not wait for one square root after the other.
    *
-   * @param n at most max_spectral_batch
+   * @param n from one to max_spectral_batch
    */
   template <int dim>
   void
-                         spectral_decompositions(const MandelVector<dim>    *a,
-                                                 const unsigned int          n,
-                                                 SpectralDecomposition<dim> *result);
-  constexpr unsigned int max_spectral_batch = 32; ///< tensors in a batch
+  spectral_decompositions(const MandelVector<dim> *a,
+                          const unsigned int       n,
+                          SpectralArrays<dim>     &result);
+  /** One after the other. */
+  template <int dim>
+  void
+  spectral_decompositions(const MandelVector<dim>    *a,
+                          const unsigned int          n,
+                          SpectralDecomposition<dim> *result);
 
   /**
    * artanh(z)/z for z^2 up to 1e-3, by its series; the first dropped term is
