@@ -1,5 +1,6 @@
 #include <emmy/effects/cell_matrix.h>
 #include <emmy/effects/node_products.h>
+#include <emmy/math/lane_points.h>
 
 #include <algorithm>
 
@@ -108,18 +109,14 @@ namespace emmy
     reach.reinit(n_padded);
     const unsigned int n = here.points.size();
     std::fill_n(slopes.begin(), n * dim * n_padded, 0.);
-    for (unsigned int k = 0; k < n; ++k)
+    for (unsigned int k = 0; k < n;)
       {
-        const auto &[group, q]     = here.points[k];
-        const unsigned int *places = here.around.places(*group);
-        double             *rows   = &slopes[k * dim * n_padded];
-        for (unsigned int a = 0; a < group->n_nodes; ++a)
-          {
-            reach.add(k, places[a]);
-            for (unsigned int L = 0; L < dim; ++L)
-              rows[L * n_padded + places[a]] =
-                here.stencils.gradient(*group, a, L)[q];
-          }
+        const auto &[group, q] = here.points[k];
+        unsigned int n_points  = 1;
+        while (k + n_points < n && here.points[k + n_points].group == group)
+          ++n_points;
+        add_slopes(here, *group, q, k, n_points);
+        k += n_points;
       }
     const Arrays arrays{reach,
                         n_nodes,
@@ -134,6 +131,56 @@ namespace emmy
     else
       cell_matrix_kernels::add_in_space(arrays);
     is_empty = false;
+  }
+
+  template <int dim>
+  void
+  CellMatrix<dim>::add_slopes(const NeighbourPoints<dim> &here,
+                              const Group                &group,
+                              const unsigned int          q,
+                              const unsigned int          k,
+                              const unsigned int          n_points)
+  {
+    const unsigned int *places = here.around.places(group);
+    // four nodes that stand together, of four points
+    unsigned int n_done = 0;
+    for (; n_done + n_lanes <= n_points; n_done += n_lanes)
+      for (unsigned int a = 0; a < group.n_nodes; ++a)
+        {
+          double    *to = &slopes[(k + n_done) * dim * n_padded + places[a]];
+          const bool are_together =
+            a + 3 < group.n_nodes && places[a + 1] == places[a] + 1 &&
+            places[a + 2] == places[a] + 2 && places[a + 3] == places[a] + 3;
+          for (unsigned int L = 0; L < dim; ++L)
+            {
+              Lanes x[n_lanes];
+              for (unsigned int r = 0; r < (are_together ? n_lanes : 1); ++r)
+                x[r] = read_together<Lanes>(
+                  here.stencils.gradient(group, a + r, L) + q + n_done);
+              if (are_together)
+                transpose_lanes(x[0], x[1], x[2], x[3]);
+              for (unsigned int i = 0; i < n_lanes; ++i)
+                {
+                  double *row = to + (i * dim + L) * n_padded;
+                  if (are_together)
+                    write_together(x[i], row);
+                  else
+                    *row = x[0][i];
+                }
+            }
+          if (are_together)
+            a += 3;
+        }
+    for (unsigned int i = n_done; i < n_points; ++i)
+      {
+        double *rows = &slopes[(k + i) * dim * n_padded];
+        for (unsigned int a = 0; a < group.n_nodes; ++a)
+          for (unsigned int L = 0; L < dim; ++L)
+            rows[L * n_padded + places[a]] =
+              here.stencils.gradient(group, a, L)[q + i];
+      }
+    for (unsigned int a = 0; a < group.n_nodes; ++a)
+      reach.add(k, n_points, places[a]);
   }
 
   template class CellMatrix<2>;

@@ -60,6 +60,17 @@ namespace emmy
     }
 
   private:
+    using Group = typename Stencils<dim>::Group;
+
+    /** Slopes of points of a group, from its point @p q on, which stand from
+     * @p k on. */
+    void
+    add_slopes(const NeighbourPoints<dim> &here,
+               const Group                &group,
+               const unsigned int          q,
+               const unsigned int          k,
+               const unsigned int          n_points);
+
     unsigned int n_nodes = 0, n_padded = 0; ///< full lanes
     bool         is_empty = true;           ///< no points yet
     Reach        reach;

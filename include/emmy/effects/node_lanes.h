@@ -31,7 +31,13 @@ namespace emmy
     void
     add(const unsigned int q, const unsigned int node)
     {
-      of_fours[node / nodes_at_once] |= 1u << q;
+      add(q, 1, node);
+    }
+    /** @p n points from q on reach a node. */
+    void
+    add(const unsigned int q, const unsigned int n, const unsigned int node)
+    {
+      of_fours[node / nodes_at_once] |= ((1u << n) - 1) << q;
     }
     /** A bit for each register of that many nodes, if point q reaches one. */
     template <unsigned int n_lanes>
