@@ -194,13 +194,7 @@ namespace emmy
             flow[i]       = end.shear * n[i] / sqrt_2 + end.volume / 3.;
           }
         if (end.shear > 0. || end.volume > 0.)
-          {
-            std::array<double, 3> b_elastic; // less 1
-            for (unsigned int i = 0; i < 3; ++i)
-              b_elastic[i] = e.b.values[i] +
-                             (1. + e.b.values[i]) * std::expm1(-2. * flow[i]);
-            batch.left_cauchy_green_less_unit[q] = from_principal(e, b_elastic);
-          }
+          batch.left_cauchy_green_less_unit[q] = elastic_part<dim>(e.b, flow);
         batch.history[0][q] += end.shear / std::sqrt(3.);
         batch.history[1][q] += end.volume;
         batch.kirchhoff_stress[q] = from_principal(e, tau);

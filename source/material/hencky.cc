@@ -124,18 +124,18 @@ namespace emmy
     spectral_decompositions<dim>(batch.left_cauchy_green_less_unit.data(),
                                  batch.n_points,
                                  b);
-    HenckyLanes<dim>                law{bulk_modulus,
-                         shear_modulus,
-                         batch.kirchhoff_stress[0].begin_raw(),
-                         {},
-                         {}};
+    HenckyLanes<dim> law(bulk_modulus, shear_modulus);
+    law.kept = Lanes{} + 1.;
     std::vector<PrincipalStep<dim>> steps(
       batch.with_energy_change ? batch.n_points : 0);
     for (unsigned int first = 0; first < batch.n_points; first += n_lanes)
       {
         PrincipalLanes<dim> at(LanePoints(first, batch.n_points));
         at.read(b, first);
-        hencky_kernels::evaluate(at, law);
+        hencky_kernels::find_strain(at, law);
+        hencky_kernels::find_stress(at,
+                                    law,
+                                    batch.kirchhoff_stress[0].begin_raw());
         if (batch.with_tangent)
           principal_axes_kernels::turn(at,
                                        batch.spatial_tangent[0].begin_raw());

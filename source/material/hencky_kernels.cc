@@ -28,24 +28,31 @@ namespace emmy
 
     template <int dim>
     EMMY_INLINE void
-    evaluate_lanes(PrincipalLanes<dim> &at, HenckyLanes<dim> &law)
+    strain_of(const PrincipalLanes<dim> &at, HenckyLanes<dim> &law)
+    {
+      for (int i = 0; i < 3; ++i)
+        log_one_plus(at.values[i], law.log_b[i]);
+      law.trace            = 0.5 * (law.log_b[0] + law.log_b[1] + law.log_b[2]);
+      law.deviator_squared = Lanes{};
+      for (int i = 0; i < 3; ++i)
+        {
+          law.deviator[i] = 0.5 * law.log_b[i] - law.trace / 3.;
+          law.deviator_squared += law.deviator[i] * law.deviator[i];
+        }
+    }
+
+    template <int dim>
+    EMMY_INLINE void
+    stress_of(PrincipalLanes<dim> &at, HenckyLanes<dim> &law, double *to)
     {
       constexpr auto         ij = mandel::pairs<dim>();
       constexpr unsigned int m  = n_in_plane<dim>;
-      const double           K = law.bulk_modulus, G = law.shear_modulus;
-
-      Lanes log_b[3];
+      const double           K  = law.bulk_modulus;
+      const Lanes            G  = law.shear_modulus * law.kept;
       for (int i = 0; i < 3; ++i)
-        log_one_plus(at.values[i], log_b[i]);
-      const Lanes trace            = 0.5 * (log_b[0] + log_b[1] + log_b[2]);
-      Lanes       deviator_squared = Lanes{};
-      for (int i = 0; i < 3; ++i)
-        {
-          const Lanes deviator = 0.5 * log_b[i] - trace / 3.;
-          deviator_squared += deviator * deviator;
-          law.tau[i] = K * trace + 2. * G * deviator;
-        }
-      law.energy = 0.5 * K * trace * trace + G * deviator_squared;
+        law.tau[i] = K * law.trace + 2. * G * law.deviator[i];
+      law.energy =
+        0.5 * K * law.trace * law.trace + G * law.kept * law.deviator_squared;
 
       Lanes stress[n_mandel<dim>];
       for (unsigned int a = 0; a < m; ++a)
@@ -58,19 +65,19 @@ namespace emmy
         }
       if constexpr (dim == 2)
         stress[3] = law.tau[2];
-      write_points<n_mandel<dim>>(stress, at.points, law.stress);
+      write_points<n_mandel<dim>>(stress, at.points, to);
 
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
-          at.normal[i][j] = Lanes{} + (K - 2. / 3. * G) +
-                            (i == j ? 2. * G - 2. * law.tau[i] : Lanes{});
+          at.normal[i][j] =
+            K - 2. / 3. * G + (i == j ? 2. * G - 2. * law.tau[i] : Lanes{});
       for (unsigned int a = dim; a < m; ++a)
         {
           const unsigned int i = ij[a][0], j = ij[a][1];
           Lanes              quotient;
           find_quotient(at.values[i],
                         at.values[j],
-                        log_b[i] - log_b[j],
+                        law.log_b[i] - law.log_b[j],
                         quotient);
           at.shear[a - dim] = 2. * G * quotient - (law.tau[i] + law.tau[j]);
         }
@@ -81,14 +88,24 @@ namespace emmy
   {
     // no templates: those have no clones
     EMMY_CLONES void
-    evaluate(PrincipalLanes<2> &at, HenckyLanes<2> &law)
+    find_strain(const PrincipalLanes<2> &at, HenckyLanes<2> &law)
     {
-      evaluate_lanes<2>(at, law);
+      strain_of<2>(at, law);
     }
     EMMY_CLONES void
-    evaluate(PrincipalLanes<3> &at, HenckyLanes<3> &law)
+    find_strain(const PrincipalLanes<3> &at, HenckyLanes<3> &law)
     {
-      evaluate_lanes<3>(at, law);
+      strain_of<3>(at, law);
+    }
+    EMMY_CLONES void
+    find_stress(PrincipalLanes<2> &at, HenckyLanes<2> &law, double *stress)
+    {
+      stress_of<2>(at, law, stress);
+    }
+    EMMY_CLONES void
+    find_stress(PrincipalLanes<3> &at, HenckyLanes<3> &law, double *stress)
+    {
+      stress_of<3>(at, law, stress);
     }
   } // namespace hencky_kernels
 } // namespace emmy

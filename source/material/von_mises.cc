@@ -1,5 +1,9 @@
+#include <emmy/material/hencky_kernels.h>
 #include <emmy/material/principal_axes.h>
 #include <emmy/material/von_mises.h>
+
+// vectors stay within this file
+#pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace emmy
 {
@@ -59,71 +63,99 @@ namespace emmy
   VonMises<dim>::evaluate_points(const Radius       &radius_of,
                                  MaterialBatch<dim> &batch) const
   {
-    const double K = constants.bulk_modulus, G = constants.shear_modulus;
-    const double H = surface.hardening_modulus;
-    const auto   b = spectral_decompositions(batch);
-
+    SpectralArrays<dim> b;
+    spectral_decompositions<dim>(batch.left_cauchy_green_less_unit.data(),
+                                 batch.n_points,
+                                 b);
+    HenckyLanes<dim> law(constants.bulk_modulus, constants.shear_modulus);
     std::vector<PrincipalStep<dim>> steps(
       batch.with_energy_change ? batch.n_points : 0);
-    for (unsigned int p = 0; p < batch.n_points; ++p)
+    for (unsigned int first = 0; first < batch.n_points; first += n_lanes)
       {
-        const auto   e             = principal_strain(b[p]);
-        const double radius        = radius_of(p);
-        double      &xi            = batch.history[0][p];
-        const double deviator_norm = std::sqrt(e.deviator_squared);
-        const double excess =
-          2. * G * deviator_norm - (radius + sqrt_two_thirds * H * xi);
-        const double flow = std::max(0., excess / (2. * G + 2. / 3. * H));
-
-        // what is left of the trial's deviator, and its direction: zero where
-        // nothing flows, so that a point without a deviator has one
-        const double          kept = flow > 0. ? 1. - flow / deviator_norm : 1.;
-        std::array<double, 3> tau, direction{}, flow_strain{};
-        for (unsigned int i = 0; i < 3; ++i)
-          tau[i] = K * e.trace + 2. * G * kept * e.deviator[i];
-        if (flow > 0.)
+        PrincipalLanes<dim> at(LanePoints(first, batch.n_points));
+        at.read(b, first);
+        hencky_kernels::find_strain(at, law);
+        std::array<Flow, n_lanes> flows;
+        const unsigned int        n = std::min(n_lanes, batch.n_points - first);
+        for (unsigned int lane = 0; lane < n; ++lane)
+          flows[lane] =
+            flow(law, lane, radius_of(first + lane), first + lane, batch);
+        for (unsigned int lane = n; lane < n_lanes; ++lane)
+          flows[lane] = flows[n - 1];
+        for (unsigned int lane = 0; lane < n_lanes; ++lane)
+          law.kept[lane] = flows[lane].kept;
+        hencky_kernels::find_stress(at,
+                                    law,
+                                    batch.kirchhoff_stress[0].begin_raw());
+        for (unsigned int lane = 0; lane < n; ++lane)
           {
-            std::array<double, 3> b_elastic; // less 1
-            for (unsigned int i = 0; i < 3; ++i)
+            batch.stored_energy[first + lane] = law.energy[lane];
+            if (flows[lane].is_plastic)
+              batch.left_cauchy_green_less_unit[first + lane] =
+                elastic_part<dim>(b.of(first + lane), flows[lane].strain);
+            if (batch.with_energy_change)
               {
-                direction[i]   = e.deviator[i] / deviator_norm;
-                flow_strain[i] = flow * direction[i];
-                b_elastic[i] =
-                  e.b.values[i] +
-                  (1. + e.b.values[i]) * std::expm1(-2. * flow_strain[i]);
+                PrincipalStep<dim> &step = steps[first + lane];
+                step.trial.b             = b.of(first + lane);
+                step.flow                = flows[lane].strain;
+                for (unsigned int i = 0; i < 3; ++i)
+                  step.stress[i] = law.tau[i][lane];
               }
-            batch.left_cauchy_green_less_unit[p] = from_principal(e, b_elastic);
           }
-        const double xi_old = xi;
-        xi += sqrt_two_thirds * flow;
-        batch.kirchhoff_stress[p] = from_principal(e, tau);
-        batch.stored_energy[p] =
-          0.5 * K * e.trace * e.trace + G * kept * kept * e.deviator_squared;
-        batch.hardening_energy[p] = 0.5 * H * xi * xi;
-        batch.dissipation[p]      = radius * flow;
-        batch.hardening_energy_change[p] =
-          0.5 * H * (xi_old + xi) * sqrt_two_thirds * flow;
-        if (batch.with_energy_change)
-          steps[p] = {e, tau, flow_strain};
-
         if (!batch.with_tangent)
           continue;
         // derivative of the return mapping (Pretti et al. 2023, A.31)
-        constexpr auto normal = mandel::normal_components<dim>();
-        const double   softer = 2. * G / (2. * G + 2. / 3. * H) - (1. - kept);
-        auto           c      = principal_tangent<dim>(e, tau, K, G * kept);
-        for (unsigned int i = 0; i < 3; ++i)
-          for (unsigned int j = 0; j < 3; ++j)
-            c[normal[i]][normal[j]] -=
-              2. * G * softer * direction[i] * direction[j];
-        batch.spatial_tangent[p] = c;
+        const double G = constants.shear_modulus;
+        for (unsigned int lane = 0; lane < n_lanes; ++lane)
+          if (const auto &[is_plastic, kept, direction, strain] = flows[lane];
+              is_plastic)
+            {
+              const double softer =
+                2. * G / (2. * G + 2. / 3. * surface.hardening_modulus) -
+                (1. - kept);
+              for (unsigned int i = 0; i < 3; ++i)
+                for (unsigned int j = 0; j < 3; ++j)
+                  at.normal[i][j][lane] -=
+                    2. * G * softer * direction[i] * direction[j];
+            }
+        principal_axes_kernels::turn(at, batch.spatial_tangent[0].begin_raw());
       }
-    if (batch.with_tangent)
-      turn_tangents<dim>(b.data(),
-                         batch.n_points,
-                         batch.spatial_tangent.data());
     if (batch.with_energy_change)
       fill_energy_changes<dim>(steps.data(), batch);
+  }
+
+  template <int dim>
+  typename VonMises<dim>::Flow
+  VonMises<dim>::flow(const HenckyLanes<dim> &trial,
+                      const unsigned int      lane,
+                      const double            radius,
+                      const unsigned int      p,
+                      MaterialBatch<dim>     &batch) const
+  {
+    const double G = constants.shear_modulus, H = surface.hardening_modulus;
+    double      &xi            = batch.history[0][p];
+    const double deviator_norm = std::sqrt(trial.deviator_squared[lane]);
+    const double excess =
+      2. * G * deviator_norm - (radius + sqrt_two_thirds * H * xi);
+    const double size = std::max(0., excess / (2. * G + 2. / 3. * H));
+    Flow         result;
+    result.is_plastic = size > 0.;
+    if (result.is_plastic)
+      {
+        result.kept = 1. - size / deviator_norm;
+        for (unsigned int i = 0; i < 3; ++i)
+          {
+            result.direction[i] = trial.deviator[i][lane] / deviator_norm;
+            result.strain[i]    = size * result.direction[i];
+          }
+      }
+    const double xi_old = xi;
+    xi += sqrt_two_thirds * size;
+    batch.hardening_energy[p] = 0.5 * H * xi * xi;
+    batch.dissipation[p]      = radius * size;
+    batch.hardening_energy_change[p] =
+      0.5 * H * (xi_old + xi) * sqrt_two_thirds * size;
+    return result;
   }
 
   template <int dim>

@@ -3,8 +3,12 @@
 // stress of a step is smooth enough for Newton.
 
 #include <emmy/material/strain_update.h>
+#include <emmy/math/lane_logarithm.h>
 
 #include "laws.h"
+
+// vectors stay within this file
+#pragma GCC diagnostic ignored "-Wpsabi"
 
 using namespace emmy;
 using dealii::Tensor;
@@ -247,11 +251,95 @@ namespace
           }
       }
   }
+
+  /** Point 0 of a batch, as point p of another. */
+  template <int dim>
+  void
+  put(const StressBatch<dim> &one, const unsigned int p, StressBatch<dim> &all)
+  {
+    all.displacement_gradient[p] = one.displacement_gradient[0];
+    all.left_cauchy_green_less_unit_old[p] =
+      one.left_cauchy_green_less_unit_old[0];
+    all.elastic_left_cauchy_green_less_unit_old[p] =
+      one.elastic_left_cauchy_green_less_unit_old[0];
+    all.kirchhoff_stress_old[p] = one.kirchhoff_stress_old[0];
+    all.stored_energy_old[p]    = one.stored_energy_old[0];
+    all.hardening_energy_old[p] = one.hardening_energy_old[0];
+    all.material.history.resize(one.material.history.size());
+    for (unsigned int k = 0; k < one.material.history.size(); ++k)
+      all.material.history[k][p] = one.material.history[k][0];
+  }
+
+  /** Points of a batch, elastic ones among plastic ones, have the stress and
+   * the tangent that each has by itself. */
+  template <int dim>
+  void
+  check_batches()
+  {
+    const auto rule = stress_rule<dim>("conserving");
+    for (const Law<dim> &law : test::all_laws_and_soils<dim>())
+      for (unsigned int n = 1; n < 12; ++n)
+        {
+          StressBatch<dim>              all;
+          std::vector<StressBatch<dim>> alone;
+          all.n_points = n;
+          for (unsigned int p = 0; p < n; ++p)
+            {
+              auto one = state_at<dim>(*law.material,
+                                       random_tensor<dim>(p % 3 ? 0.1 : 1e-3),
+                                       0.);
+              one.displacement_gradient[0] =
+                random_tensor<dim>(p % 2 ? 0.1 : 1e-4);
+              all.is_inelastic = one.is_inelastic;
+              put(one, p, all);
+              test::check(rule.evaluate(*law.material, one) == 1, "a step");
+              alone.push_back(one);
+            }
+          test::check(rule.evaluate(*law.material, all) == n, "all steps");
+          for (unsigned int p = 0; p < n; ++p)
+            {
+              const auto &one = alone[p];
+              test::check_close(
+                (all.nominal_stress[p] - one.nominal_stress[0]).norm() /
+                  one.nominal_stress[0].norm(),
+                0.,
+                1e-12,
+                law.name + ": stress of a point among others");
+              test::check_close((all.tangent[p] - one.tangent[0]).norm() /
+                                  one.tangent[0].norm(),
+                                0.,
+                                1e-9,
+                                law.name + ": its tangent");
+            }
+        }
+  }
+
+  /** Logarithms of four numbers at once, of any size. */
+  void
+  check_logarithms()
+  {
+    double error = 0.;
+    for (double size = 1e-300; size < 1e15; size *= 1.07)
+      {
+        const double below = -size / (1. + size); // 1 + below: also near 0
+        const Lanes  x     = {size, -std::min(size, 0.3), below, 0.};
+        Lanes        result;
+        log_one_plus(x, result);
+        for (unsigned int lane = 0; lane < 3; ++lane)
+          error =
+            std::max(error, std::abs(result[lane] / std::log1p(x[lane]) - 1.));
+        test::check(result[3] == 0., "ln 1 = 0");
+      }
+    test::check_close(error, 0., 1e-15, "logarithms of four numbers");
+  }
 } // namespace
 
 int
 main()
 {
+  check_logarithms();
+  check_batches<2>();
+  check_batches<3>();
   check_side_by_side<2>();
   check_side_by_side<3>();
   for (const double size : {1e-2, 1e-4, 1e-8, 1e-12, 1e-30, 1e-100})

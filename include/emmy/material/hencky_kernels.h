@@ -5,27 +5,51 @@
 
 namespace emmy
 {
-  /** What Hencky's law makes of points side by side. */
+  /** The logarithmic strain e of points side by side, and its energy. */
   template <int dim>
   struct HenckyLanes
   {
-    double bulk_modulus, shear_modulus; ///< Pa
+    const double bulk_modulus, shear_modulus; ///< Pa
 
-    // out
-    double *stress; ///< Kirchhoff's, of the batch
-    Lanes   energy; ///< J/m^3
-    Lanes   tau[3]; ///< principal, Pa
+    // from find_strain()
+    Lanes log_b[3];         ///< ln(1 + values)
+    Lanes deviator[3];      ///< dev e
+    Lanes trace;            ///< tr e
+    Lanes deviator_squared; ///< |dev e|^2
+
+    /** In: the part of the deviator that flow leaves; one in elasticity. */
+    Lanes kept;
+
+    // from find_stress()
+    Lanes tau[3]; ///< principal Kirchhoff stress, Pa
+    Lanes energy; ///< J/m^3
+
+    /** With these moduli, of points of which nothing is known yet. */
+    HenckyLanes(const double bulk_modulus, const double shear_modulus)
+      : bulk_modulus(bulk_modulus)
+      , shear_modulus(shear_modulus)
+    {}
   };
 
   /** With copies for several instruction sets, which give the same bits. */
   namespace hencky_kernels
   {
-    /** Stress and energy, and the tangent in principal axes. */
+    /** Three logarithms. */
     void
-    evaluate(PrincipalLanes<2> &at, HenckyLanes<2> &law);
+    find_strain(const PrincipalLanes<2> &at, HenckyLanes<2> &law);
     /** The same in space. */
     void
-    evaluate(PrincipalLanes<3> &at, HenckyLanes<3> &law);
+    find_strain(const PrincipalLanes<3> &at, HenckyLanes<3> &law);
+    /**
+     * tau = K tr e I + 2 G kept dev e and its energy, and the tangent in
+     * principal axes as principal_tangent() has it.
+     * @param stress of a batch, Pa
+     */
+    void
+    find_stress(PrincipalLanes<2> &at, HenckyLanes<2> &law, double *stress);
+    /** The same in space. */
+    void
+    find_stress(PrincipalLanes<3> &at, HenckyLanes<3> &law, double *stress);
   } // namespace hencky_kernels
 } // namespace emmy
 

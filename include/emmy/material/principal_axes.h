@@ -77,6 +77,21 @@ namespace emmy
     return result;
   }
 
+  /** b - I of what flow leaves of a trial, by its principal strains. */
+  template <int dim>
+  inline MandelVector<dim>
+  elastic_part(const SpectralDecomposition<dim> &trial,
+               const std::array<double, 3>      &flow)
+  {
+    std::array<double, 3> elastic; // less 1
+    for (unsigned int i = 0; i < 3; ++i)
+      elastic[i] =
+        trial.values[i] + (1. + trial.values[i]) * std::expm1(-2. * flow[i]);
+    PrincipalStrain<dim> e;
+    e.b = trial;
+    return from_principal(e, elastic);
+  }
+
   /**
    * Spatial tangent, in the principal axes, of a stress that follows the
    * strain with the moduli K and G:

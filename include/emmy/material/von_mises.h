@@ -5,6 +5,9 @@
 
 namespace emmy
 {
+  template <int dim>
+  struct HenckyLanes;
+
   /**
    * Where the deviator s of the Kirchhoff stress starts to flow:
    * |s| = radius + sqrt(2/3) H xi.
@@ -60,6 +63,26 @@ namespace emmy
     }
 
   private:
+    /** What a point flows in a step. */
+    struct Flow
+    {
+      bool                  is_plastic = false;
+      double                kept       = 1.; ///< of the trial's deviator
+      std::array<double, 3> direction{};     ///< of the deviator, principal
+      std::array<double, 3> strain{};        ///< principal plastic strains
+    };
+
+    /**
+     * That of point @p p, whose trial stands in a lane, for |s| of at most
+     * @p radius, Pa; its history and energies of hardening go to the batch.
+     */
+    Flow
+    flow(const HenckyLanes<dim> &trial,
+         const unsigned int      lane,
+         const double            radius,
+         const unsigned int      p,
+         MaterialBatch<dim>     &batch) const;
+
     /** @param radius_of a function of the point, Pa */
     template <class Radius>
     void
