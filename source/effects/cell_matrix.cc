@@ -113,7 +113,8 @@ namespace emmy
       {
         const auto &[group, q] = here.points[k];
         unsigned int n_points  = 1;
-        while (k + n_points < n && here.points[k + n_points].group == group)
+        while (k + n_points < n && here.points[k + n_points].group == group &&
+               here.points[k + n_points].q == q + n_points)
           ++n_points;
         add_slopes(here, *group, q, k, n_points);
         k += n_points;

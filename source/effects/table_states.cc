@@ -202,11 +202,11 @@ namespace emmy
     MandelVector<dim>
     from_logarithmic(const MandelVector<dim> &strain)
     {
-      PrincipalStrain<dim> axes;
-      axes.b = spectral_decomposition<dim>(strain);
+      const SpectralDecomposition<dim> axes =
+        spectral_decomposition<dim>(strain);
       std::array<double, 3> values;
       for (unsigned int i = 0; i < 3; ++i)
-        values[i] = std::expm1(2. * axes.b.values[i]);
+        values[i] = std::expm1(2. * axes.values[i]);
       return from_principal(axes, values);
     }
 

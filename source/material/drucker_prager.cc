@@ -197,18 +197,18 @@ namespace emmy
           batch.left_cauchy_green_less_unit[q] = elastic_part<dim>(e.b, flow);
         batch.history[0][q] += end.shear / std::sqrt(3.);
         batch.history[1][q] += end.volume;
-        batch.kirchhoff_stress[q] = from_principal(e, tau);
+        batch.kirchhoff_stress[q] = from_principal(e.b, tau);
         batch.stored_energy[q] =
           0.5 * end.p * end.p / K + 0.5 * end.t * end.t / G;
         batch.dissipation[q]      = end.t * end.shear + end.p * end.volume;
         batch.hardening_energy[q] = 0.;
         batch.hardening_energy_change[q] = 0.;
         if (batch.with_energy_change)
-          steps[q] = {e, tau, flow};
+          steps[q] = {e.b, tau, flow};
 
         if (!batch.with_tangent)
           continue;
-        batch.energy_stress[q] = from_principal(e, tau_energy);
+        batch.energy_stress[q] = from_principal(e.b, tau_energy);
         constexpr auto normal  = mandel::normal_components<dim>();
         const double   kept = norm > 0. ? end.t / (sqrt_2 * G * norm) : end.t_t;
         auto c = principal_tangent<dim>(e, tau, end.p_p * K, G * kept);

@@ -137,15 +137,18 @@ namespace emmy
                                     law,
                                     batch.kirchhoff_stress[0].begin_raw());
         if (batch.with_tangent)
-          principal_axes_kernels::turn(at,
-                                       batch.spatial_tangent[0].begin_raw());
+          {
+            hencky_kernels::find_tangent(at, law);
+            principal_axes_kernels::turn(at,
+                                         batch.spatial_tangent[0].begin_raw());
+          }
         for (unsigned int lane = 0; lane < n_lanes; ++lane)
           batch.stored_energy[at.points.of_lane[lane]] = law.energy[lane];
         if (batch.with_energy_change)
           for (unsigned int lane = 0; lane < n_lanes; ++lane)
             {
               PrincipalStep<dim> &step = steps[at.points.of_lane[lane]];
-              step.trial.b             = b.of(first + lane);
+              step.trial               = b.of(first + lane);
               step.stress              = {
                              {law.tau[0][lane], law.tau[1][lane], law.tau[2][lane]}};
               step.flow = {};

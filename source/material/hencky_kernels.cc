@@ -43,7 +43,7 @@ namespace emmy
 
     template <int dim>
     EMMY_INLINE void
-    stress_of(PrincipalLanes<dim> &at, HenckyLanes<dim> &law, double *to)
+    stress_of(const PrincipalLanes<dim> &at, HenckyLanes<dim> &law, double *to)
     {
       constexpr auto         ij = mandel::pairs<dim>();
       constexpr unsigned int m  = n_in_plane<dim>;
@@ -66,12 +66,20 @@ namespace emmy
       if constexpr (dim == 2)
         stress[3] = law.tau[2];
       write_points<n_mandel<dim>>(stress, at.points, to);
+    }
 
+    template <int dim>
+    EMMY_INLINE void
+    tangent_of(PrincipalLanes<dim> &at, const HenckyLanes<dim> &law)
+    {
+      constexpr auto ij = mandel::pairs<dim>();
+      const double   K  = law.bulk_modulus;
+      const Lanes    G  = law.shear_modulus * law.kept;
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
           at.normal[i][j] =
             K - 2. / 3. * G + (i == j ? 2. * G - 2. * law.tau[i] : Lanes{});
-      for (unsigned int a = dim; a < m; ++a)
+      for (unsigned int a = dim; a < n_in_plane<dim>; ++a)
         {
           const unsigned int i = ij[a][0], j = ij[a][1];
           Lanes              quotient;
@@ -98,14 +106,28 @@ namespace emmy
       strain_of<3>(at, law);
     }
     EMMY_CLONES void
-    find_stress(PrincipalLanes<2> &at, HenckyLanes<2> &law, double *stress)
+    find_stress(const PrincipalLanes<2> &at,
+                HenckyLanes<2>          &law,
+                double                  *stress)
     {
       stress_of<2>(at, law, stress);
     }
     EMMY_CLONES void
-    find_stress(PrincipalLanes<3> &at, HenckyLanes<3> &law, double *stress)
+    find_stress(const PrincipalLanes<3> &at,
+                HenckyLanes<3>          &law,
+                double                  *stress)
     {
       stress_of<3>(at, law, stress);
+    }
+    EMMY_CLONES void
+    find_tangent(PrincipalLanes<2> &at, const HenckyLanes<2> &law)
+    {
+      tangent_of<2>(at, law);
+    }
+    EMMY_CLONES void
+    find_tangent(PrincipalLanes<3> &at, const HenckyLanes<3> &law)
+    {
+      tangent_of<3>(at, law);
     }
   } // namespace hencky_kernels
 } // namespace emmy

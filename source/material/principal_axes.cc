@@ -132,7 +132,7 @@ namespace emmy
     // W^T A W, and X_ij = v_i . Delta F w_j
     const dealii::Tensor<2, dim> WHW = transpose(W) * HW;
     const dealii::Tensor<2, dim> A = WHW + transpose(WHW) + transpose(HW) * HW;
-    const dealii::Tensor<2, dim> X = transpose(step.trial.b.vectors) * (W + HW);
+    const dealii::Tensor<2, dim> X = transpose(step.trial.vectors) * (W + HW);
 
     std::array<double, dim> tau_old{};
     dealii::Tensor<2, dim>  beta_A;
@@ -147,7 +147,7 @@ namespace emmy
     double elastic = 0., plastic = 0.;
     for (unsigned int i = 0; i < dim; ++i)
       {
-        const double x             = step.trial.b.values[i];
+        const double x             = step.trial.values[i];
         const double inverse_alpha = 1. / (1. + x);
         double       sum = 0., stress_old_i = 0.; // p_i . tau_t p_i
         for (unsigned int j = 0; j < dim; ++j)

@@ -20,7 +20,7 @@ namespace emmy
     struct Probe
     {
       const Material<dim>                &material;
-      PrincipalStrain<dim>                axes;
+      SpectralDecomposition<dim>          axes;
       std::unique_ptr<MaterialBatch<dim>> batch =
         std::make_unique<MaterialBatch<dim>>();
 
@@ -29,7 +29,7 @@ namespace emmy
             const MandelVector<dim>   &stress)
         : material(material)
       {
-        axes.b              = spectral_decomposition<dim>(stress);
+        axes                = spectral_decomposition<dim>(stress);
         batch->with_tangent = false;
         for (const double value : parameters)
           {
@@ -72,7 +72,7 @@ namespace emmy
           for (unsigned int j = 0; j < dim; ++j)
             for (unsigned int k = 0; k < dim; ++k)
               result[i] +=
-                axes.b.vectors[j][i] * block[j][k] * axes.b.vectors[k][i] / J;
+                axes.vectors[j][i] * block[j][k] * axes.vectors[k][i] / J;
         if (dim == 2)
           result[2] = tau[n_mandel<dim> - 1] / J;
         return result;
@@ -120,7 +120,7 @@ namespace emmy
     Probe<dim>   probe(material, parameters, stress);
     Tensor<1, 3> target;
     for (unsigned int i = 0; i < 3; ++i)
-      target[i] = probe.axes.b.values[i];
+      target[i] = probe.axes.values[i];
 
     Tensor<1, 3> strain = first_guess(material, target);
     // the factor of moduli that vary

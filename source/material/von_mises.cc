@@ -96,7 +96,7 @@ namespace emmy
             if (batch.with_energy_change)
               {
                 PrincipalStep<dim> &step = steps[first + lane];
-                step.trial.b             = b.of(first + lane);
+                step.trial               = b.of(first + lane);
                 step.flow                = flows[lane].strain;
                 for (unsigned int i = 0; i < 3; ++i)
                   step.stress[i] = law.tau[i][lane];
@@ -104,6 +104,7 @@ namespace emmy
           }
         if (!batch.with_tangent)
           continue;
+        hencky_kernels::find_tangent(at, law);
         // derivative of the return mapping (Pretti et al. 2023, A.31)
         const double G = constants.shear_modulus;
         for (unsigned int lane = 0; lane < n_lanes; ++lane)

@@ -155,7 +155,7 @@ namespace emmy
         std::array<double, 3> values;
         for (unsigned int i = 0; i < 3; ++i)
           values[i] = 0.5 * e.log_b[i];
-        return from_principal(e, values);
+        return from_principal(e.b, values);
       }
     };
 

@@ -141,7 +141,8 @@ namespace emmy
     {
       const auto scope = newton.phases.scope("residual and tangent");
       has_jacobian     = with_jacobian;
-      damping          = 0.;
+      if (with_jacobian)
+        damping = 0.;
       return equation.evaluate(solution, with_jacobian);
     }
 
@@ -424,6 +425,7 @@ namespace emmy
         if (!iteration.find_increment_of_size())
           return;
 
+        // before it makes another matrix
         const bool is_of_true_matrix = iteration.damping == least_damping;
         bool       has_meaning =
           iteration.take(/*with_jacobian=*/!iteration.expects_to_end());

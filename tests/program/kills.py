@@ -80,6 +80,28 @@ def is_alive(pid):
         return False
 
 
+def n_rows(ledger):
+    """Whole rows of steps, that of the start too."""
+    try:
+        with open(ledger, "rb") as file:
+            return max(0, file.read().count(b"\n") - 1)
+    except OSError:
+        return 0
+
+
+def kill_all(process):
+    """It and all below it, at once; back when they are gone."""
+    all_of_them = descendants(process.pid) + [process.pid]
+    for pid in all_of_them:
+        try:
+            os.kill(pid, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+    process.wait()
+    while any(is_alive(pid) for pid in all_of_them):
+        time.sleep(0.01)
+
+
 class Runner:
     def __init__(self, arguments, work):
         self.emmy = os.path.abspath(arguments.emmy)
@@ -109,11 +131,11 @@ class Runner:
         """Some seconds after the ledger has a row, or, with no row, after the start.
         Whether it was killed; else it ended by itself, well."""
         process = self.start(n_ranks, words)
-        while process.poll() is None and row is not None:
-            if os.path.isfile(ledger):
-                with open(ledger, "rb") as file:
-                    if file.read().count(b"\n") > row + 1:
-                        break
+        latest = time.monotonic() + 1200
+        while process.poll() is None and row is not None and n_rows(ledger) <= row:
+            if time.monotonic() > latest:
+                kill_all(process)
+                sys.exit(f"FAILED: hangs: emmy {' '.join(words)}\n{self.said()}")
             time.sleep(0.01)
         try:
             if process.wait(timeout=seconds) != 0:
@@ -121,15 +143,7 @@ class Runner:
             return False
         except subprocess.TimeoutExpired:
             pass
-        all_of_them = descendants(process.pid) + [process.pid]
-        for pid in all_of_them:
-            try:
-                os.kill(pid, signal.SIGKILL)
-            except ProcessLookupError:
-                pass
-        process.wait()
-        while any(is_alive(pid) for pid in all_of_them):
-            time.sleep(0.01)
+        kill_all(process)
         return True
 
 
@@ -229,13 +243,16 @@ def check(arguments, runner, name, ranks, generator):
         rows = range(2, n_steps - 1, 3)
         rows = sorted(generator.sample(rows, min(len(rows), max(arguments.kills - n_killed,
                                                                 len(set(ranks))))))
-        session = 0
+        if not rows:
+            sys.exit(f"FAILED: {name} has only {n_steps} steps, too few to be killed between")
+        session, is_first = 0, True
         while True:
             n_ranks = ranks[session % len(ranks)]
             checkpoints = os.path.join(run, "checkpoints")
             is_there = os.path.isdir(checkpoints) and any(
                 folder[-1].isdigit() for folder in os.listdir(checkpoints))
-            anew += session > 0 and not is_there
+            anew += not is_first and not is_there
+            is_first = False
             command = ["--restart", "run"] if is_there else words + [
                 "--overwrite", "--set", "Checkpoint/Every steps=1"]
             if session == len(rows):
@@ -245,7 +262,7 @@ def check(arguments, runner, name, ranks, generator):
                 was_killed = runner.kill_at(n_ranks, command, ledger, None,
                                             to_start[n_ranks] * generator.random())
             else:
-                was_killed = runner.kill_at(n_ranks, command, ledger, rows[session],
+                was_killed = runner.kill_at(n_ranks, command, ledger, max(rows[session], n_rows(ledger)),
                                             of_a_step * n_ranks * generator.uniform(0, 2))
                 session += 1
             if not was_killed:

@@ -79,6 +79,8 @@ namespace
     take(Vector &solution, Vector &increment) override
     {
       taken.push_back(increment.linfty_norm());
+      if (taken.size() == 1)
+        n_tries = n_sizes;
       solution += increment;
     }
 
@@ -92,6 +94,7 @@ namespace
     Vector               goal;
     std::vector<double>  taken; ///< sizes of increments
     mutable unsigned int n_sizes = 0;
+    unsigned int         n_tries = 0; ///< before the first is taken
 
   private:
     static dealii::IndexSet
@@ -135,6 +138,7 @@ namespace
                     1.,
                     1e-5,
                     "all of a motion is taken at once");
+        check(equation.n_tries == 2, "with two solves");
       }
     Linear too_far(0.5, 1.2, -0.2);
     solve(too_far);
@@ -160,6 +164,7 @@ namespace
     Linear equation(0.5, 0.29, 0.1);
     solve(equation);
     check_close(equation.taken.front(), 0.29, 1e-9, "a small one is Newton's");
+    check(equation.n_tries == 1, "and one solve's");
   }
 } // namespace
 

@@ -6,7 +6,7 @@
 namespace emmy
 {
   /**
-   * The conserving rule, see StressRule. Points stand side by side, eight at a
+   * The conserving rule, see StressRule. Points stand side by side, four at a
    * time; results do not depend on which they are, or on the instruction set.
    *
    * With M = Fm Delta F^-1 and the material's spatial tangent c, the derivative

@@ -41,15 +41,24 @@ namespace emmy
     void
     find_strain(const PrincipalLanes<3> &at, HenckyLanes<3> &law);
     /**
-     * tau = K tr e I + 2 G kept dev e and its energy, and the tangent in
-     * principal axes as principal_tangent() has it.
+     * tau = K tr e I + 2 G kept dev e and its energy.
      * @param stress of a batch, Pa
      */
     void
-    find_stress(PrincipalLanes<2> &at, HenckyLanes<2> &law, double *stress);
+    find_stress(const PrincipalLanes<2> &at,
+                HenckyLanes<2>          &law,
+                double                  *stress);
     /** The same in space. */
     void
-    find_stress(PrincipalLanes<3> &at, HenckyLanes<3> &law, double *stress);
+    find_stress(const PrincipalLanes<3> &at,
+                HenckyLanes<3>          &law,
+                double                  *stress);
+    /** Behind it: its tangent, as principal_tangent() has it. */
+    void
+    find_tangent(PrincipalLanes<2> &at, const HenckyLanes<2> &law);
+    /** The same in space. */
+    void
+    find_tangent(PrincipalLanes<3> &at, const HenckyLanes<3> &law);
   } // namespace hencky_kernels
 } // namespace emmy
 

@@ -57,12 +57,12 @@ namespace emmy
   /** A tensor with these values along the principal axes of b. */
   template <int dim>
   inline MandelVector<dim>
-  from_principal(const PrincipalStrain<dim>  &e,
-                 const std::array<double, 3> &values)
+  from_principal(const SpectralDecomposition<dim> &b,
+                 const std::array<double, 3>      &values)
   {
     // the columns of mandel::congruence() of the axes that matter
     constexpr auto    ij = mandel::pairs<dim>();
-    const auto       &V  = e.b.vectors;
+    const auto       &V  = b.vectors;
     MandelVector<dim> result;
     for (unsigned int a = 0; a < n_in_plane<dim>; ++a)
       {
@@ -87,9 +87,7 @@ namespace emmy
     for (unsigned int i = 0; i < 3; ++i)
       elastic[i] =
         trial.values[i] + (1. + trial.values[i]) * std::expm1(-2. * flow[i]);
-    PrincipalStrain<dim> e;
-    e.b = trial;
-    return from_principal(e, elastic);
+    return from_principal(trial, elastic);
   }
 
   /**
@@ -149,7 +147,8 @@ namespace emmy
   template <int dim>
   struct PrincipalStep
   {
-    PrincipalStrain<dim>  trial;  ///< before the return to the yield surface
+    SpectralDecomposition<dim>
+      trial; ///< of b - I, before the return to the yield surface
     std::array<double, 3> stress; ///< after flow, Pa
     /** Plastic strain of the step, by which e is less than that of the trial.
      */

@@ -4,13 +4,14 @@
 #include <emmy/math/lanes.h>
 
 #include <cstring>
+#include <limits>
 
 namespace emmy
 {
   /**
-   * ln(1 + x) of normal numbers 1 + x > 0, to some units in the last digit,
-   * however small x is. For functions with clones, in files without fused
-   * multiplications and additions: then the bits are the same on all
+   * ln(1 + x) of normal numbers 1 + x > 0, NaN of others, to some units in the
+   * last digit, however small x is. For functions with clones, in files without
+   * fused multiplications and additions: then the bits are the same on all
    * instruction sets.
    *
    * With 1 + x = 2^k m and m between sqrt(1/2) and sqrt(2) it is
@@ -56,6 +57,8 @@ namespace emmy
     // 2 artanh s = f - s (f - 2 z series): the first term has no error
     const Lanes rest = s * (f - 2. * z * series);
     result           = k * high_part + (f - (rest - (k * low_part + lost)));
+    constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    result                = sum > 0. ? result : Lanes{} + none;
   }
 } // namespace emmy
 
