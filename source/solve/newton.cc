@@ -29,11 +29,8 @@ namespace emmy
     /** Below this they are round-off, whatever is left of |r|. */
     constexpr double smallest_size = 1e-14;
 
-    /** The largest change of a displacement gradient in one increment, ... */
+    /** The largest change of a displacement gradient in one increment. */
     constexpr double largest_size = 0.3;
-    /** ... unless the body moves so far: less than this, and as far where this
-     * damping rules out that a singular direction is in it. */
-    constexpr double largest_motion = 1., damping_of_motion = 1e-6;
 
     /**
      * The least damping, of both tries. A node that few particles reach can
@@ -71,15 +68,12 @@ namespace emmy
         return result;
       }
 
-      /** Raise it by a fraction @p mu, where it was raised by @p before. */
+      /** Raise it by a fraction. */
       void
-      damp(const double before, const double mu, Matrix &matrix)
+      damp(const double mu, Matrix &matrix)
       {
-        for_each(matrix, [&](double &value) {
-          const double size =
-            std::abs(value) / (1. + std::copysign(before, value));
-          value += (mu - before) * size;
-        });
+        for_each(matrix,
+                 [mu](double &value) { value += mu * std::abs(value); });
       }
 
     private:
@@ -141,8 +135,6 @@ namespace emmy
     {
       const auto scope = newton.phases.scope("residual and tangent");
       has_jacobian     = with_jacobian;
-      if (with_jacobian)
-        damping = 0.;
       return equation.evaluate(solution, with_jacobian);
     }
 
@@ -175,15 +167,15 @@ namespace emmy
     }
 
     /**
-     * Find the increment with the matrix damped by @p mu.
+     * Find the increment with the matrix damped by @p mu; a second time, mu
+     * adds to what was there.
      * @return false if the linear solver failed
      */
     bool
     find_increment(const double mu)
     {
       const auto scope = newton.phases.scope("linear solve");
-      diagonal.damp(damping, mu, equation.system().jacobian);
-      damping = mu;
+      diagonal.damp(mu, equation.system().jacobian);
       // moved, not copied into: unknowns may be numbered anew
       right_side = Vector(equation.system().reduced_residual);
       right_side *= -1.;
@@ -210,38 +202,6 @@ namespace emmy
       else
         result.problem = "linear solver: " + solve.problem;
       return solve.is_solved;
-    }
-
-    /**
-     * Find an increment that is not too large: with a matrix that is damped
-     * more and more. Where damping would change next to nothing, the body does
-     * move so far. @return false if the linear solver failed
-     */
-    bool
-    find_increment_of_size()
-    {
-      if (!find_increment(least_damping))
-        return false;
-      const double size = equation.size(increment);
-      if (size <= largest_size)
-        return true;
-      if (size < largest_motion && may_be_motion)
-        {
-          if (!find_increment(damping_of_motion))
-            return false;
-          may_be_motion =
-            std::abs(equation.size(increment) - size) < 0.01 * size;
-          if (may_be_motion)
-            return true;
-        }
-      for (double mu = 100. * least_damping; mu < 10.; mu *= 100.)
-        {
-          if (!find_increment(mu))
-            return false;
-          if (equation.size(increment) <= largest_size)
-            break;
-        }
-      return true;
     }
 
     /**
@@ -371,11 +331,8 @@ namespace emmy
     Diagonal           diagonal; ///< of the jacobian
     NewtonResult       result;
     bool               has_jacobian = false; ///< of the solution
-    double             damping      = 0.;    ///< of the jacobian
-    /** A large increment, where no singular direction has shown. */
-    bool   may_be_motion = true;
-    double norm          = 0.; ///< |r|
-    double reference     = 0.; ///< for sum |r||du|
+    double             norm         = 0.;    ///< |r|
+    double             reference    = 0.;    ///< for sum |r||du|
   };
 
   Newton::Newton(const SolverParameters &parameters,
@@ -422,14 +379,17 @@ namespace emmy
       return;
     while (iteration.may_go_on())
       {
-        if (!iteration.find_increment_of_size())
+        double mu = least_damping;
+        if (!iteration.find_increment(mu))
           return;
+        while (mu < 0.1 &&
+               iteration.equation.size(iteration.increment) > largest_size)
+          if (!iteration.find_increment(mu *= 100.))
+            return;
 
-        // before it makes another matrix
-        const bool is_of_true_matrix = iteration.damping == least_damping;
-        bool       has_meaning =
+        bool has_meaning =
           iteration.take(/*with_jacobian=*/!iteration.expects_to_end());
-        const bool is_newtons = has_meaning && is_of_true_matrix;
+        const bool is_newtons = has_meaning && mu == least_damping;
         for (unsigned int halving = 0; !has_meaning && halving < 6; ++halving)
           {
             iteration.equation.halve(iteration.solution, iteration.increment);

@@ -363,7 +363,7 @@ namespace emmy
           "and `Stiffness\npenalty = 0`, ends this, and so do followers.");
         paper_scene(suite, "7.1a.prm", "point load, ", 50, 0.002);
         paper_scene(suite, "7.1b.prm", "point load, ", 50, 0.04);
-        paper_scene(suite, "7.3b.prm", "", 10, 0.03);
+        paper_scene(suite, "7.3b.prm", "", 20, 0.03);
       }
 
       // ----------------------------------------------------------------------

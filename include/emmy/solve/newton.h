@@ -42,10 +42,8 @@ namespace emmy
    * displacement gradients below 1e-4, has not halved |r|, what is left is
    * the round-off of the evaluation, and it is content if |r| is below 1e-8
    * of the forces and its work below 1e-8 of theirs. An increment whose
-   * size() is above 0.3 is found again with a more strongly damped matrix,
-   * unless damping by 1e-6 hardly changes it and it is below one: then the
-   * body does move so far. One that leaves the equation without meaning is
-   * halved, at most six times.
+   * size() is above 0.3 is found again with a more strongly damped matrix; one
+   * that leaves the equation without meaning is halved, at most six times.
    *
    * If it fails, the matrix is most often singular: a particle alone among new
    * nodes has no stress, and then nothing resists its rotation but a torque
