@@ -24,8 +24,8 @@ namespace emmy
   template <int dim>
   struct Side
   {
-    const StressArrays &arrays;
-    const LanePoints    points;
+    const StressArrays &arrays; ///< of the batch
+    const LanePoints    points; ///< which they are
     /** Whether the material gives what its energy works. */
     const bool has_energy_stress;
 
@@ -39,7 +39,7 @@ namespace emmy
     {}
 
     // from means(); tensors as they are
-    Lanes H[dim][dim];
+    Lanes H[dim][dim]; ///< displacement gradient
     /** F, its inverse, the one of the middle, and b at the end. */
     Lanes F[dim][dim], inverse[dim][dim], Fm[dim][dim], b[dim][dim];
     /** Factors of the average stress. */

@@ -60,6 +60,7 @@ namespace emmy
         }
   }
 
+  /** A symmetric tensor from Mandel notation, in the plane. */
   template <int dim>
   EMMY_INLINE void
   from_mandel(const Lanes (&a)[n_mandel<dim>], Lanes (&result)[dim][dim])
@@ -72,6 +73,7 @@ namespace emmy
         a[c] / mandel::sqrt2;
   }
 
+  /** result = X : Y */
   template <int dim>
   EMMY_INLINE void
   contraction(const Lanes (&X)[dim][dim],
@@ -83,6 +85,7 @@ namespace emmy
       result += X[k / dim][k % dim] * Y[k / dim][k % dim];
   }
 
+  /** result = F^-1 */
   template <int dim>
   EMMY_INLINE void
   invert(const Lanes (&F)[dim][dim], Lanes (&result)[dim][dim])

@@ -10,9 +10,10 @@ namespace emmy
   template <int dim>
   struct PrincipalLanes
   {
+    /** Components of a symmetric tensor. */
     static constexpr unsigned int m = n_in_plane<dim>;
 
-    const LanePoints points;
+    const LanePoints points;            ///< which they are
     Lanes            values[3];         ///< of b - I
     Lanes            vectors[dim][dim]; ///< column j: axis j
     /** A tangent: its normal components, symmetric, and those of shear. */
