@@ -143,44 +143,35 @@ namespace emmy
                               const unsigned int          n_points)
   {
     const unsigned int *places = here.around.places(group);
-    // four nodes that stand together, of four points
-    unsigned int n_done = 0;
-    for (; n_done + n_lanes <= n_points; n_done += n_lanes)
-      for (unsigned int a = 0; a < group.n_nodes; ++a)
-        {
-          double    *to = &slopes[(k + n_done) * dim * n_padded + places[a]];
-          const bool are_together =
-            a + 3 < group.n_nodes && places[a + 1] == places[a] + 1 &&
-            places[a + 2] == places[a] + 2 && places[a + 3] == places[a] + 3;
+    const auto          row = [&](const unsigned int i, const unsigned int L) {
+      return &slopes[((k + i) * dim + L) * n_padded];
+    };
+    // four nodes of four points, where these nodes stand together
+    const unsigned int n_whole = n_points / n_lanes * n_lanes;
+    unsigned int       a       = 0;
+    for (; n_whole > 0 && a + n_lanes <= group.n_nodes; a += n_lanes)
+      {
+        if (places[a + 1] != places[a] + 1 || places[a + 2] != places[a] + 2 ||
+            places[a + 3] != places[a] + 3)
+          break;
+        for (unsigned int i = 0; i < n_whole; i += n_lanes)
           for (unsigned int L = 0; L < dim; ++L)
             {
               Lanes x[n_lanes];
-              for (unsigned int r = 0; r < (are_together ? n_lanes : 1); ++r)
+              for (unsigned int r = 0; r < n_lanes; ++r)
                 x[r] = read_together<Lanes>(
-                  here.stencils.gradient(group, a + r, L) + q + n_done);
-              if (are_together)
-                transpose_lanes(x[0], x[1], x[2], x[3]);
-              for (unsigned int i = 0; i < n_lanes; ++i)
-                {
-                  double *row = to + (i * dim + L) * n_padded;
-                  if (are_together)
-                    write_together(x[i], row);
-                  else
-                    *row = x[0][i];
-                }
+                  here.stencils.gradient(group, a + r, L) + q + i);
+              transpose_lanes(x[0], x[1], x[2], x[3]);
+              for (unsigned int r = 0; r < n_lanes; ++r)
+                write_together(x[r], row(i + r, L) + places[a]);
             }
-          if (are_together)
-            a += 3;
-        }
-    for (unsigned int i = n_done; i < n_points; ++i)
-      {
-        double *rows = &slopes[(k + i) * dim * n_padded];
-        for (unsigned int a = 0; a < group.n_nodes; ++a)
-          for (unsigned int L = 0; L < dim; ++L)
-            rows[L * n_padded + places[a]] =
-              here.stencils.gradient(group, a, L)[q + i];
       }
-    for (unsigned int a = 0; a < group.n_nodes; ++a)
+    const unsigned int n_done = a; // of n_whole points
+    for (unsigned int i = 0; i < n_points; ++i)
+      for (a = i < n_whole ? n_done : 0; a < group.n_nodes; ++a)
+        for (unsigned int L = 0; L < dim; ++L)
+          row(i, L)[places[a]] = here.stencils.gradient(group, a, L)[q + i];
+    for (a = 0; a < group.n_nodes; ++a)
       reach.add(k, n_points, places[a]);
   }
 

@@ -15,7 +15,8 @@ namespace emmy
     {
       const StressArrays &arrays = p.arrays;
       Lanes b_old[n_mandel<dim>], tau[n_mandel<dim>], tau_old[n_mandel<dim>];
-      read_points<dim * dim>(arrays.H, p.points, p.H[0]);
+      Lanes H[dim][dim];
+      read_points<dim * dim>(arrays.H, p.points, H[0]);
       read_points<n_mandel<dim>>(arrays.b_old, p.points, b_old);
       read_points<n_mandel<dim>>(arrays.tau_old, p.points, tau_old);
       read_points<n_mandel<dim>>(arrays.tau, p.points, tau);
@@ -23,18 +24,18 @@ namespace emmy
         for (int j = 0; j < dim; ++j)
           {
             const double unit = i == j ? 1. : 0.;
-            p.F[i][j]         = p.H[i][j] + unit;
-            p.Fm[i][j]        = 0.5 * p.H[i][j] + unit;
+            p.F[i][j]         = H[i][j] + unit;
+            p.Fm[i][j]        = 0.5 * H[i][j] + unit;
           }
       invert<dim>(p.F, p.inverse);
       // A = H + H^T + H^T H, without subtraction
       for (int i = 0; i < dim; ++i)
         for (int j = 0; j <= i; ++j)
           {
-            Lanes sum = p.H[0][i] * p.H[0][j];
+            Lanes sum = H[0][i] * H[0][j];
             for (int k = 1; k < dim; ++k)
-              sum += p.H[k][i] * p.H[k][j];
-            p.A[i][j] = p.A[j][i] = (p.H[i][j] + p.H[j][i]) + sum;
+              sum += H[k][i] * H[k][j];
+            p.A[i][j] = p.A[j][i] = (H[i][j] + H[j][i]) + sum;
           }
       from_mandel<dim>(b_old, p.b);
       for (int i = 0; i < dim; ++i)

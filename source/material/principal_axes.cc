@@ -92,34 +92,6 @@ namespace emmy
   } // namespace principal_axes_kernels
 
   template <int dim>
-  void
-  turn_tangents(const SpectralDecomposition<dim> *b,
-                const unsigned int                n_points,
-                MandelMatrix<dim>                *tangents)
-  {
-    constexpr unsigned int m      = n_in_plane<dim>;
-    constexpr auto         normal = mandel::normal_components<dim>();
-    for (unsigned int first = 0; first < n_points; first += n_lanes)
-      {
-        PrincipalLanes<dim> lanes(LanePoints(first, n_points));
-        for (unsigned int lane = 0; lane < n_lanes; ++lane)
-          {
-            const std::size_t        p = lanes.points.of_lane[lane];
-            const MandelMatrix<dim> &c = tangents[p];
-            for (unsigned int i = 0; i < dim; ++i)
-              for (unsigned int j = 0; j < dim; ++j)
-                lanes.vectors[i][j][lane] = b[p].vectors[i][j];
-            for (unsigned int i = 0; i < 3; ++i)
-              for (unsigned int j = 0; j < 3; ++j)
-                lanes.normal[i][j][lane] = c[normal[i]][normal[j]];
-            for (unsigned int a = dim; a < m; ++a)
-              lanes.shear[a - dim][lane] = c[a][a];
-          }
-        principal_axes_kernels::turn(lanes, tangents[0].begin_raw());
-      }
-  }
-
-  template <int dim>
   double
   quadratic_energy_change(const PrincipalStep<dim>         &step,
                           const SpectralDecomposition<dim> &start,
@@ -192,16 +164,13 @@ namespace emmy
             std::log1p(batch.step.out_of_plane[p]);
   }
 
-#define INSTANTIATE(dim)                                                 \
-  template void   turn_tangents<dim>(const SpectralDecomposition<dim> *, \
-                                   const unsigned int,                 \
-                                   MandelMatrix<dim> *);               \
-  template double quadratic_energy_change<dim>(                          \
-    const PrincipalStep<dim> &,                                          \
-    const SpectralDecomposition<dim> &,                                  \
-    const MandelVector<dim> &,                                           \
-    const dealii::Tensor<2, dim> &);                                     \
-  template void fill_energy_changes<dim>(const PrincipalStep<dim> *,     \
+#define INSTANTIATE(dim)                                             \
+  template double quadratic_energy_change<dim>(                      \
+    const PrincipalStep<dim> &,                                      \
+    const SpectralDecomposition<dim> &,                              \
+    const MandelVector<dim> &,                                       \
+    const dealii::Tensor<2, dim> &);                                 \
+  template void fill_energy_changes<dim>(const PrincipalStep<dim> *, \
                                          MaterialBatch<dim> &);
   INSTANTIATE(2)
   INSTANTIATE(3)

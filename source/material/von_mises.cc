@@ -49,20 +49,10 @@ namespace emmy
   void
   VonMises<dim>::evaluate(MaterialBatch<dim> &batch) const
   {
-    const double radius = surface.radius, *ratio = batch.strength_ratio;
-    if (ratio)
-      evaluate_points([=](const unsigned int p) { return ratio[p] * radius; },
-                      batch);
-    else
-      evaluate_points([=](const unsigned int) { return radius; }, batch);
-  }
-
-  template <int dim>
-  template <class Radius>
-  void
-  VonMises<dim>::evaluate_points(const Radius       &radius_of,
-                                 MaterialBatch<dim> &batch) const
-  {
+    const double *ratio     = batch.strength_ratio;
+    const auto    radius_of = [&](const unsigned int p) {
+      return ratio ? ratio[p] * surface.radius : surface.radius;
+    };
     SpectralArrays<dim> b;
     spectral_decompositions<dim>(batch.left_cauchy_green_less_unit.data(),
                                  batch.n_points,

@@ -11,9 +11,6 @@ namespace emmy
    */
   using FourNodes = LanesOf<nodes_at_once>::type;
 
-  /** Places in two registers. */
-  typedef long long Order __attribute__((vector_size(32)));
-
   /**
    * Numbers of four nodes, register by component, to node by component, at
    * @p to; added to what stands there, if so asked. For functions with clones.

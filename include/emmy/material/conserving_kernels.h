@@ -39,7 +39,6 @@ namespace emmy
     {}
 
     // from means(); tensors as they are
-    Lanes H[dim][dim]; ///< displacement gradient
     /** F, its inverse, the one of the middle, and b at the end. */
     Lanes F[dim][dim], inverse[dim][dim], Fm[dim][dim], b[dim][dim];
     /** Factors of the average stress. */

@@ -7,7 +7,9 @@ namespace emmy
 {
   /**
    * The conserving rule, see StressRule. Points stand side by side, four at a
-   * time; results do not depend on which they are, or on the instruction set.
+   * time; results do not depend on the instruction set, and on which they are
+   * only in last digits: a batch with a small step has its changes of energy
+   * from the material, others by subtraction.
    *
    * With M = Fm Delta F^-1 and the material's spatial tangent c, the derivative
    * of P = Fm S is

@@ -128,21 +128,6 @@ namespace emmy
     return c;
   }
 
-  /**
-   * Turn tangents in principal axes, such as those of principal_tangent(), into
-   * the axes of the grid: Q c Q^T with the congruence Q of the axes, without
-   * the zeros of c; four points at a time. Their normal components may be any
-   * symmetric matrix, of the shear components there is a diagonal.
-   *
-   * @param b        one per point
-   * @param tangents in and out
-   */
-  template <int dim>
-  void
-  turn_tangents(const SpectralDecomposition<dim> *b,
-                const unsigned int                n_points,
-                MandelMatrix<dim>                *tangents);
-
   /** What one point has done in a step, in its principal axes. */
   template <int dim>
   struct PrincipalStep

@@ -38,7 +38,11 @@ namespace emmy
 
   namespace principal_axes_kernels
   {
-    /** Tangents Q c Q^T of all lanes, in Mandel notation, to a batch. */
+    /**
+     * Tangents of all lanes, turned from their principal axes into those of the
+     * grid: Q c Q^T in Mandel notation with the congruence Q of the axes,
+     * without the zeros of c. @param tangents of a batch
+     */
     void
     turn(const PrincipalLanes<2> &lanes, double *tangents);
     /** The same in space. */

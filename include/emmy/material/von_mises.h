@@ -83,11 +83,6 @@ namespace emmy
          const unsigned int      p,
          MaterialBatch<dim>     &batch) const;
 
-    /** @param radius_of a function of the point, Pa */
-    template <class Radius>
-    void
-    evaluate_points(const Radius &radius_of, MaterialBatch<dim> &batch) const;
-
     const ElasticConstants constants;
     const YieldSurface     surface;
   };

@@ -26,11 +26,10 @@ namespace emmy
   transpose_lanes(Lanes &a, Lanes &b, Lanes &c, Lanes &d)
   {
     static_assert(n_lanes == 4, "one number of each of four points");
-    typedef long long Order __attribute__((vector_size(32)));
-    const Lanes       even_ab = __builtin_shuffle(a, b, Order{0, 4, 2, 6}),
-                odd_ab        = __builtin_shuffle(a, b, Order{1, 5, 3, 7}),
-                even_cd       = __builtin_shuffle(c, d, Order{0, 4, 2, 6}),
-                odd_cd        = __builtin_shuffle(c, d, Order{1, 5, 3, 7});
+    const Lanes even_ab = __builtin_shuffle(a, b, Order{0, 4, 2, 6}),
+                odd_ab  = __builtin_shuffle(a, b, Order{1, 5, 3, 7}),
+                even_cd = __builtin_shuffle(c, d, Order{0, 4, 2, 6}),
+                odd_cd  = __builtin_shuffle(c, d, Order{1, 5, 3, 7});
     a = __builtin_shuffle(even_ab, even_cd, Order{0, 1, 4, 5});
     b = __builtin_shuffle(odd_ab, odd_cd, Order{0, 1, 4, 5});
     c = __builtin_shuffle(even_ab, even_cd, Order{2, 3, 6, 7});

@@ -35,6 +35,8 @@ namespace emmy
     /** The compiler's vector. */
     typedef double type __attribute__((vector_size(32)));
   };
+  /** Which four of the eight in two such registers, for __builtin_shuffle. */
+  typedef long long Order __attribute__((vector_size(32)));
   /** Of 512 bits. */
   template <>
   struct LanesOf<8>
